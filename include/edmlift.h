@@ -1,0 +1,202 @@
+/* edmlift: 14 detected 2D joints in, a 3D pose in metres out.
+ *
+ * F. Moreno-Noguer, "3D Human Pose Estimation from a Single Image via Distance Matrix
+ * Regression", CVPR 2017, as a library for microcontrollers: no heap, no globals, no dependency
+ * but sqrtf().  "Section" and "eq." below refer to that paper.
+ *
+ * Conventions.  Outputs come first, work memory last.  Input and output may not overlap.  Calls
+ * are re-entrant.  Images: pixels, x right, y down.  Poses: metres, the camera's axes (x right,
+ * y down, z away from the camera), origin midway between the hips.  Left and right are the
+ * subject's.  A function that can fail returns a status and then leaves its outputs untouched.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDMLIFT_H
+#define EDMLIFT_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define EDML_VERSION 0x00010000 /* major << 16 | minor */
+#define EDML_VERSION_STRING "1.0"
+
+/* ---- Joints ------------------------------------------------------------------------------ */
+
+/* The order of CPM, of OpenPose's MPI model and of MPII's names: head top is the crown of the
+ * skull, neck the upper neck (not the midpoint of the shoulders). */
+enum edml_joint {
+    EDML_HEAD_TOP,
+    EDML_NECK,
+    EDML_R_SHOULDER,
+    EDML_R_ELBOW,
+    EDML_R_WRIST,
+    EDML_L_SHOULDER,
+    EDML_L_ELBOW,
+    EDML_L_WRIST,
+    EDML_R_HIP,
+    EDML_R_KNEE,
+    EDML_R_ANKLE,
+    EDML_L_HIP,
+    EDML_L_KNEE,
+    EDML_L_ANKLE,
+    EDML_JOINTS
+};
+#define EDML_PAIRS 91 /* pairs of joints: the values above the diagonal of a 14x14 matrix */
+#define EDML_BONES 13
+
+typedef struct {
+    uint8_t from, to; /* enum edml_joint; `from` is nearer to the neck */
+} edml_bone;
+
+extern const edml_bone edml_bones[EDML_BONES];
+extern const uint8_t edml_mirror_joint[EDML_JOINTS]; /* left for right and right for left */
+const char *edml_joint_name(int joint); /* "right_shoulder"; "?" when out of range */
+
+/* ---- Lift -------------------------------------------------------------------------------- */
+
+typedef struct {
+    float x, y; /* pixels, y down */
+    float c;    /* confidence; a joint with c <= 0 was not seen, its x and y are ignored */
+} edml_keypoint;
+
+typedef struct {
+    float x, y, z;
+} edml_point;
+
+typedef struct {
+    edml_point joint[EDML_JOINTS]; /* metres, camera axes, origin at mid-hip; all 14, also those
+                                      that were not seen */
+    float mirror_margin; /* >= 0: log-odds that this pose, not its mirror image, is the right one */
+    float residual;      /* metres: RMS difference between the pose's distances and the network's */
+    uint16_t seen;       /* bit j: joint j was seen */
+} edml_pose;
+
+/* Status of a lift: what it means is what edml_status_name() says. */
+#define EDML_STATUSES(X)                                                                          \
+    X(EDML_OK, 0, "ok")                                                                           \
+    X(EDML_ERR_ARGUMENT, -1, "argument")             /* a null pointer */                         \
+    X(EDML_ERR_NOT_FINITE, -2, "not_finite")         /* NaN or infinity in a joint, or in any c */ \
+    X(EDML_ERR_TOO_FEW_JOINTS, -3, "too_few_joints") /* fewer seen than the model was trained for */ \
+    X(EDML_ERR_DEGENERATE, -4, "degenerate")         /* equal points or no vertical extent */     \
+    X(EDML_ERR_UNUSUAL, -5, "unusual")               /* wider for its height than any training pose */ \
+    X(EDML_ERR_MODEL, -6, "model")                   /* the model's data do not match its checksum */
+
+#define EDML_STATUS_ENUM(name, value, text) name = value,
+typedef enum { EDML_STATUSES(EDML_STATUS_ENUM) } edml_status;
+#undef EDML_STATUS_ENUM
+
+const char *edml_status_name(edml_status status); /* "too_few_joints"; "?" when unknown */
+
+/* A trained network and the settings that were measured with it; constant data in flash. */
+typedef struct edml_model edml_model;
+
+extern const edml_model edml_fconn_f32; /* 91-128-128-91, float32 */
+
+const char *edml_model_name(const edml_model *model);
+/* Compares the model's data with its checksum: EDML_OK or EDML_ERR_MODEL. */
+edml_status edml_model_check(const edml_model *model);
+
+/* Memory of one lift; its contents mean nothing between calls. */
+typedef struct edml_work edml_work;
+
+/* Lifts one person.
+ *   in     14 keypoints.  Coordinates may be of any size and offset; only the shape counts.
+ *   model  &edml_fconn_f32
+ * Time does not depend on the input beyond the number of Jacobi rotations, which is bounded. */
+edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
+                      const edml_model *model, edml_work *work);
+
+/* ---- The stages, in the order in which data flow ------------------------------------------ */
+
+typedef struct {
+    float at[EDML_JOINTS][EDML_JOINTS];
+} edml_matrix_f32;
+
+/* Index into the 91 values of an EDM: row by row above the diagonal, 0 <= i < j < 14. */
+#define EDML_PAIR(i, j) ((i) * (2 * EDML_JOINTS - 3 - (i)) / 2 + (j) - 1)
+
+/* 2D distances between the joints, normalised: one factor for x and y, half the vertical extent
+ * of the seen joints is 1 (section 3.1).  Pairs with a joint that was not seen are zero.
+ *   edm  [91], 0 to `widest`
+ * Returns EDML_ERR_NOT_FINITE, _TOO_FEW_JOINTS (fewer than `fewest`), _DEGENERATE, or _UNUSUAL (a
+ * distance over `widest`). */
+edml_status edml_edm_f32(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest,
+                         float widest);
+
+/* Distances in 3D that the model's network predicts (section 3.2).
+ *   distance  [91] metres, >= 0
+ *   edm       [91] as from edml_edm_f32() */
+void edml_net_f32(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
+                  const edml_model *model, edml_work *work);
+
+/* One Jacobi step: the sine of a rotation in the plane of the axes p and q, |sine| <= sqrt(1/2). */
+typedef struct {
+    float sine;
+    uint8_t p, q;
+} edml_rotation_f32;
+
+/* Eigenvalues and eigenvectors of a symmetric matrix. */
+typedef struct {
+    float value[EDML_JOINTS];               /* descending */
+    float vector[EDML_JOINTS][EDML_JOINTS]; /* row k belongs to value[k]: unit length, its largest
+                                               component positive */
+    edml_rotation_f32 turn[640];            /* work memory */
+} edml_eigen_f32;
+
+/* All eigenpairs by cyclic Jacobi, to rounding; only the upper triangle of `a` is read. */
+void edml_jacobi_f32(edml_eigen_f32 *eigen, const edml_matrix_f32 *a);
+
+/* Classical multidimensional scaling: the points whose distances are nearest, in the sense of
+ * the Gram matrix (section 3.3).  Only the three largest eigenpairs are computed, to 0.05 mm or better.
+ *   x         [14] metres, centroid at the origin, principal axes, either mirror image
+ *   distance  [91] metres, at most 4 */
+void edml_mds_f32(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_work *work);
+
+/* What the refinement minimises; d are the pose's distances, D the network's. */
+typedef enum {
+    EDML_STRESS_NONE,   /* nothing: keep classical MDS */
+    EDML_STRESS_SQUARE, /* sum (d^2 - D^2)^2, s-stress */
+    EDML_STRESS_RAW,    /* sum (d - D)^2 */
+    EDML_STRESS_EQ2     /* sum |d^2 - D^2|, eq. 2, by reweighting */
+} edml_objective;
+
+/* Moves the points downhill, at most `steps` steps of conjugate gradient; the objective never
+ * rises.  Returns the number of steps taken. */
+int edml_refine_f32(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
+                    edml_objective objective, int steps, edml_work *work);
+
+/* Objective as a mean over the 91 pairs, m^4, m^2 and m^2; 0 for EDML_STRESS_NONE. */
+float edml_stress_f32(const edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
+                      edml_objective objective);
+
+/* Turns the points into the more human one of the two mirror images (section 3.3): a linear
+ * score of how far limbs and head point forward of the torso.  Returns the margin. */
+float edml_mirror_f32(edml_point x[EDML_JOINTS], const edml_model *model);
+
+/* Turns the points to the camera: the rotation whose scaled-orthographic image fits the seen
+ * joints best, moved so that mid-hip is the origin.
+ *   seen  bit j: joint j of `in` counts; at least 4 */
+void edml_orient_f32(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS],
+                     uint16_t seen);
+
+/* ---- Work memory: public so that it can be allocated; its members are not part of the interface */
+
+struct edml_work {
+    float distance[EDML_PAIRS];
+    edml_matrix_f32 matrix;
+    edml_point x[EDML_JOINTS];
+    union { /* stages that do not overlap in time */
+        float layer[2][128];
+        edml_rotation_f32 turn[320];
+        edml_point step[4][EDML_JOINTS];
+    } use;
+};
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,16 @@
+/* The stages in float32, in the order in which data flow.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "real_f32.h"
+
+#include "vector.inc"
+
+#include "edm.inc"
+#include "jacobi.inc"
+#include "mds.inc"
+#include "refine.inc"
+#include "mirror.inc"
+#include "orient.inc"
+
+#include "lift.inc"
