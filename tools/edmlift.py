@@ -1,0 +1,148 @@
+"""ctypes binding of the C library: every figure and pose that a tool reports comes through here.
+
+Build the shared library with `cmake -B build/dev -DEDMLIFT_TOOLS=ON && cmake --build build/dev`,
+or point EDMLIFT_LIBRARY at one.
+"""
+
+import ctypes
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from skeleton import JOINTS
+
+ROOT = Path(__file__).resolve().parent.parent
+LIBRARY = ROOT / "build" / "dev" / "libedmlift_tools.so"
+
+POSE = np.dtype(
+    [
+        ("joint", np.float32, (len(JOINTS), 3)),
+        ("mirror_margin", np.float32),
+        ("residual", np.float32),
+        ("seen", np.uint16),
+    ],
+    align=True,
+)
+WORK_BYTES = 4096  # edml_work is at most this; a test holds it to that
+
+
+@dataclass(frozen=True)
+class Poses:
+    """What `lift` returns for F poses; where status is not "ok" the numbers are NaN."""
+
+    joints: np.ndarray  # [F,14,3] metres, camera axes, origin at mid-hip
+    margin: np.ndarray  # [F] log-odds of the mirror choice
+    residual: np.ndarray  # [F] metres
+    status: np.ndarray  # [F] names
+
+
+class Library:
+    """The C library; `model` names one of its models, such as "fconn_f32"."""
+
+    def __init__(self, model: str = "fconn_f32", path: Path | None = None):
+        path = path or Path(os.environ.get("EDMLIFT_LIBRARY", LIBRARY))
+        if not path.exists():
+            raise FileNotFoundError(f"{path}: not built; see the head of tools/edmlift.py")
+        self._c = ctypes.CDLL(str(path))
+        self._c.edml_status_name.restype = ctypes.c_char_p
+        for name, result in (
+            ("edml_refine_f32", ctypes.c_int),
+            ("edml_stress_f32", ctypes.c_float),
+            ("edml_mirror_f32", ctypes.c_float),
+        ):
+            getattr(self._c, name).restype = result
+        self.model = ctypes.addressof(ctypes.c_char.in_dll(self._c, f"edml_{model}"))
+        self._work = ctypes.create_string_buffer(WORK_BYTES)
+
+    def status_name(self, status: int) -> str:
+        return self._c.edml_status_name(status).decode()
+
+    def lift(self, keypoints: np.ndarray) -> Poses:
+        """Lifts keypoints [F,14,3]: x, y in pixels and confidence."""
+        keypoints = np.ascontiguousarray(keypoints, np.float32)
+        if keypoints.ndim != 3 or keypoints.shape[1:] != (len(JOINTS), 3):
+            raise ValueError(f"keypoints must be [F,{len(JOINTS)},3], not {keypoints.shape}")
+        poses = np.zeros(len(keypoints), POSE)
+        for field in ("joint", "mirror_margin", "residual"):
+            poses[field] = np.nan
+        status = np.zeros(len(keypoints), np.int32)
+        lift, model, work = self._c.edml_lift, ctypes.c_void_p(self.model), self._work
+        source, target = keypoints.ctypes.data, poses.ctypes.data
+        for i in range(len(keypoints)):
+            status[i] = lift(
+                ctypes.c_void_p(target + i * POSE.itemsize),
+                ctypes.c_void_p(source + i * keypoints.strides[0]),
+                model,
+                work,
+            )
+        names = np.array([self.status_name(s) for s in range(0, status.min(initial=0) - 1, -1)])
+        return Poses(poses["joint"], poses["mirror_margin"], poses["residual"], names[-status])
+
+    # The stages, one pose at a time.
+
+    def edm(self, keypoints: np.ndarray, fewest: int, widest: float) -> tuple[str, np.ndarray]:
+        """Status name and normalised 2D distances [91] of keypoints [14,3]."""
+        out = np.zeros(91, np.float32)
+        status = self._c.edml_edm_f32(
+            _pointer(out), _pointer(_f32(keypoints)), fewest, ctypes.c_float(widest)
+        )
+        return self.status_name(status), out
+
+    def net(self, edm: np.ndarray) -> np.ndarray:
+        """Distances [91] in metres that the model predicts."""
+        out = np.zeros(91, np.float32)
+        self._c.edml_net_f32(
+            _pointer(out), _pointer(_f32(edm)), ctypes.c_void_p(self.model), self._work
+        )
+        return out
+
+    def jacobi(self, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Eigenvalues [14], descending, and eigenvectors as rows [14,14]."""
+        eigen = np.zeros(14 + 14 * 14 + 2 * 640, np.float32)
+        self._c.edml_jacobi_f32(_pointer(eigen), _pointer(_f32(matrix)))
+        return eigen[:14].copy(), eigen[14:210].reshape(14, 14).copy()
+
+    def mds(self, distance: np.ndarray) -> np.ndarray:
+        """Classical MDS: [91] metres -> [14,3]."""
+        out = np.zeros((14, 3), np.float32)
+        self._c.edml_mds_f32(_pointer(out), _pointer(_f32(distance)), self._work)
+        return out
+
+    def refine(self, points: np.ndarray, distance: np.ndarray, objective: str, steps: int):
+        """Refined points [14,3] and the number of steps taken."""
+        out = _f32(points).copy()
+        taken = self._c.edml_refine_f32(
+            _pointer(out), _pointer(_f32(distance)), OBJECTIVES.index(objective), steps, self._work
+        )
+        return out, taken
+
+    def stress(self, points: np.ndarray, distance: np.ndarray, objective: str) -> float:
+        """Value of an objective."""
+        return self._c.edml_stress_f32(
+            _pointer(_f32(points)), _pointer(_f32(distance)), OBJECTIVES.index(objective)
+        )
+
+    def mirror(self, points: np.ndarray) -> tuple[np.ndarray, float]:
+        """The chosen mirror image of points [14,3] and the margin."""
+        out = _f32(points).copy()
+        return out, self._c.edml_mirror_f32(_pointer(out), ctypes.c_void_p(self.model))
+
+    def orient(self, points: np.ndarray, keypoints: np.ndarray) -> np.ndarray:
+        """Points [14,3] turned to the camera."""
+        out = _f32(points).copy()
+        seen = sum(1 << j for j in range(14) if keypoints[j, 2] > 0)
+        self._c.edml_orient_f32(_pointer(out), _pointer(_f32(keypoints)), ctypes.c_uint16(seen))
+        return out
+
+
+OBJECTIVES = ("none", "square", "raw", "eq2")  # edml_objective
+
+
+def _f32(a: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(a, np.float32)
+
+
+def _pointer(a: np.ndarray) -> ctypes.c_void_p:
+    return ctypes.c_void_p(a.ctypes.data)

@@ -1,0 +1,223 @@
+"""The lifter's stages in NumPy, double precision: the oracle of the tests.
+
+Written from the paper and the public header, not from the C: another normalisation of the Gram
+matrix, LAPACK's eigenvectors, singular values where the C has closed forms.  One pose at a time.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skeleton import INDEX, PAIRS, mid_hip
+
+COUNT = 14
+
+
+class Refused(ValueError):
+    """A pose that the lifter refuses; the message is the status' name."""
+
+
+@dataclass(frozen=True)
+class Model:
+    """Layers [(weight [in,out], bias [out])] and the settings of the manifest."""
+
+    layers: list[tuple[np.ndarray, np.ndarray]]
+    fewest_joints: int
+    widest: float
+    objective: str
+    refine_steps: int
+    mirror: np.ndarray
+
+
+def edm(keypoints: np.ndarray, fewest: int, widest: float) -> np.ndarray:
+    """Normalised 2D distances [91] of keypoints [14,3] (x, y, confidence); section 3.1."""
+    xy, confidence = keypoints[:, :2], keypoints[:, 2]
+    seen = confidence > 0
+    if not np.isfinite(confidence).all() or not np.isfinite(xy[seen]).all():
+        raise Refused("not_finite")
+    if seen.sum() < fewest:
+        raise Refused("too_few_joints")
+    half = np.ptp(xy[seen, 1]) / 2
+    if half <= np.abs(xy[seen]).max() / 4096:
+        raise Refused("degenerate")
+    distance = np.linalg.norm(xy[:, None] / half - xy[None] / half, axis=-1)
+    distance[~seen] = distance[:, ~seen] = 0
+    if distance.max() > widest:
+        raise Refused("unusual")
+    spread = np.linalg.svd(xy[seen] - xy[seen].mean(0), compute_uv=False)
+    if spread[1] <= spread[0] / 128:
+        raise Refused("degenerate")
+    return distance[PAIRS]
+
+
+def net(layers: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarray:
+    """FConn: [91] -> [91] metres; section 3.2."""
+    for weight, bias in layers:
+        x = np.maximum(x @ weight.astype(float) + bias, 0)
+    return x
+
+
+def square(values: np.ndarray) -> np.ndarray:
+    """The symmetric [14,14] matrix of [91] values above the diagonal."""
+    matrix = np.zeros((COUNT, COUNT))
+    matrix[PAIRS] = values
+    return matrix + matrix.T
+
+
+def gram(distance: np.ndarray) -> np.ndarray:
+    """Doubly centred -D^2/2 [14,14]."""
+    centring = np.eye(COUNT) - 1 / COUNT
+    return centring @ (-0.5 * square(distance) ** 2) @ centring
+
+
+def mds(distance: np.ndarray) -> np.ndarray:
+    """Classical MDS: [91] -> [14,3]; section 3.3."""
+    values, vectors = np.linalg.eigh(gram(distance))
+    return vectors[:, :-4:-1] * np.sqrt(np.maximum(values[:-4:-1], 0))
+
+
+def distances(points: np.ndarray) -> np.ndarray:
+    """[14,3] -> [91] (eq. 1)."""
+    return np.linalg.norm(points[PAIRS[0]] - points[PAIRS[1]], axis=1)
+
+
+def stress(points: np.ndarray, distance: np.ndarray, objective: str) -> float:
+    """Mean over the pairs of what the refinement minimises."""
+    d = distances(points)
+    terms = {
+        "none": np.zeros(1),
+        "square": (d**2 - distance**2) ** 2,
+        "raw": (d - distance) ** 2,
+        "eq2": np.abs(d**2 - distance**2),
+    }
+    return float(terms[objective].mean())
+
+
+FLOOR = 1 / 256  # m^2: smallest divisor of a weight
+
+
+def weights(points: np.ndarray, distance: np.ndarray, objective: str) -> np.ndarray:
+    """Weights [91] that give sum w (d^2 - D^2)^2 the gradient of the objective."""
+    d = distances(points)
+    if objective == "raw":
+        return 1 / np.maximum(d * (d + distance), FLOOR) / 8
+    if objective == "eq2":
+        return 1 / np.maximum(np.abs(d**2 - distance**2), FLOOR) / 16
+    return np.ones(len(d))
+
+
+def refine(points: np.ndarray, distance: np.ndarray, objective: str, steps: int) -> np.ndarray:
+    """Polak-Ribiere+ conjugate gradient, exact line search, until the objective stops falling."""
+    if objective == "none":
+        return points
+    before = step = None
+    for _ in range(steps):
+        w = weights(points, distance, objective)
+        downhill = -laplacian(w * (distances(points) ** 2 - distance**2)) @ points
+        if before is None:
+            step = downhill
+        else:
+            gain = np.sum(downhill * (downhill - before)) / np.sum(before**2)
+            step = downhill + max(gain, 0) * step
+        before = downhill
+        tried = points + line_minimum(points, step, w, distance) * step
+        if stress(tried, distance, objective) >= stress(points, distance, objective):
+            break
+        points = tried
+    return points
+
+
+def laplacian(pair_values: np.ndarray) -> np.ndarray:
+    """Graph Laplacian of the pair values, so that (L x)_i = sum_j v_ij (x_i - x_j)."""
+    matrix = square(pair_values)
+    return np.diag(matrix.sum(1)) - matrix
+
+
+def line_minimum(points, step, w, distance) -> float:
+    """Smallest positive minimiser of the weighted s-stress along a line: roots of a cubic."""
+    start, along = points[PAIRS[0]] - points[PAIRS[1]], step[PAIRS[0]] - step[PAIRS[1]]
+    r = (start**2).sum(1) - distance**2  # d^2 - D^2 = r + b t + a t^2
+    b, a = 2 * (start * along).sum(1), (along**2).sum(1)
+    quartic = np.poly1d(
+        [
+            (w * a**2).sum(),
+            (2 * w * a * b).sum(),
+            (w * (b**2 + 2 * a * r)).sum(),
+            (2 * w * b * r).sum(),
+            0.0,
+        ]
+    )
+    if quartic.deriv()(0) >= 0:
+        return 0.0
+    roots = quartic.deriv().roots
+    return float(min(r.real for r in roots if abs(r.imag) < 1e-9 * abs(r) and r.real > 0))
+
+
+ARMS = (("right_shoulder", "right_elbow"), ("left_shoulder", "left_elbow"))
+FOREARMS = (("right_elbow", "right_wrist"), ("left_elbow", "left_wrist"))
+HEAD = (("neck", "head_top"),)
+THIGHS = (("right_hip", "right_knee"), ("left_hip", "left_knee"))
+SHINS = (("right_knee", "right_ankle"), ("left_knee", "left_ankle"))
+
+
+def mirror_features(points: np.ndarray) -> np.ndarray:
+    """How far arms, forearms, head, thighs and shins point forward of the torso.
+
+    [...,14,3] -> [...,5].  Sums of cosines over right and left; the features of the mirror image are minus these.
+    """
+
+    def bone(start, end):
+        return points[..., INDEX[end], :] - points[..., INDEX[start], :]
+
+    up = points[..., INDEX["neck"], :] - mid_hip(points)
+    chest = unit(np.cross(bone("right_shoulder", "left_shoulder"), up))
+    pelvis = unit(np.cross(bone("right_hip", "left_hip"), up))
+    return np.stack(
+        [
+            sum((unit(bone(*pair)) * front).sum(-1) for pair in group)
+            for group, front in (
+                (ARMS, chest),
+                (FOREARMS, chest),
+                (HEAD, chest),
+                (THIGHS, pelvis),
+                (SHINS, pelvis),
+            )
+        ],
+        -1,
+    )
+
+
+def unit(v: np.ndarray) -> np.ndarray:
+    """Unit vectors along the last axis; zero stays zero."""
+    length = np.linalg.norm(v, axis=-1, keepdims=True)
+    return v / np.where(length > 0, length, 1)
+
+
+def mirror(points: np.ndarray, weights5: np.ndarray) -> tuple[np.ndarray, float]:
+    """The better mirror image and its margin (section 3.3)."""
+    score = float(mirror_features(points) @ weights5)
+    return (points if score >= 0 else points * [1, 1, -1]), abs(score)
+
+
+RIDGE = 0.01
+
+
+def orient(points: np.ndarray, keypoints: np.ndarray) -> np.ndarray:
+    """Scaled-orthographic alignment to the image; root at mid-hip."""
+    seen = keypoints[:, 2] > 0
+    centred = points[seen] - points[seen].mean(0)
+    spread = RIDGE * np.sum(centred**2) * np.eye(3)
+    image = keypoints[seen, :2] - keypoints[seen, :2].mean(0)
+    affine = np.linalg.solve(centred.T @ centred + spread, centred.T @ image).T
+    u, _, vt = np.linalg.svd(affine, full_matrices=False)
+    rows = u @ vt
+    points = points @ np.vstack([rows, np.cross(rows[0], rows[1])]).T
+    return points - mid_hip(points)
+
+
+def lift(model: Model, keypoints: np.ndarray) -> tuple[np.ndarray, float, float]:
+    """Pose [14,3], mirror margin and residual of keypoints [14,3]; raises Refused."""
+    distance = net(model.layers, edm(keypoints, model.fewest_joints, model.widest))
+    points = refine(mds(distance), distance, model.objective, model.refine_steps)
+    points, margin = mirror(points, model.mirror)
+    return orient(points, keypoints), margin, np.sqrt(stress(points, distance, "raw"))

@@ -1,0 +1,382 @@
+"""Trains FConn on motion capture: weights to an .npz with a manifest beside it.
+
+    train.py MOTION --out gen/fconn.npz
+    train.py MOTION --recipe paper --out build/paper.npz
+
+MOTION is an .npz or a folder that tools/mocap.py reads.  Every epoch sees fresh cameras, noise,
+missing joints and bodies.  First the plain L2 loss on the distances (section 3.2), then the error
+of the joints behind the MDS.  `--hold-out` keeps subjects apart to watch the validation error by;
+a run goes on where its checkpoint (OUT with suffix .state) left off.
+"""
+
+import argparse
+import dataclasses
+import hashlib
+import json
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+from tqdm import tqdm
+
+import cameras
+import network
+from mirror import fit_mirror
+from mocap import MocapError, Motion, load_motion
+from skeleton import LIMBS, PAIRS
+
+
+@dataclasses.dataclass(frozen=True)
+class Recipe:
+    """Everything that decides the weights, besides the motion and the seed."""
+
+    hidden: tuple[int, ...] = (128, 128)
+    l2_epochs: int = 20  # epochs of plain L2 on the distances ...
+    mds_epochs: int = 1780  # ... then epochs on the joint error behind the MDS
+    batch: int = 128
+    rate: float = 1e-3
+    drop_rate_at: float = 0.0  # share of the epochs when the rate falls to a tenth; 0: cosine
+    clip: float = 0.5  # global norm of the gradient
+    distance_share: float = 0.5  # weight of the mean squared distance error, m^2, beside it
+    average: float = 0.999  # the saved weights are an exponential moving average; 0: the last ones
+    dropout: float = 0.0
+    noise: float = 20.0  # pixels: iid noise is drawn with sigma up to this
+    detector: float = 1.5  # detector-like noise is drawn up to this scale
+    bodies: bool = True  # vary height and proportions
+    masks: bool = True  # hide joints
+    balance: float = 0.5  # a subject with n poses is drawn in proportion to n^(1 - balance)
+
+
+RECIPES = {
+    "mds": Recipe(),
+    "l2": Recipe(l2_epochs=1800, mds_epochs=0),
+    # Section 3.2 of the paper: L2, Adam, batches of 200, dropout 0.5, 500 epochs, the rate
+    # divided by ten after 250; no noise or occlusion unless asked for.
+    "paper": Recipe(
+        l2_epochs=500,
+        mds_epochs=0,
+        batch=200,
+        rate=1e-3,
+        drop_rate_at=0.5,
+        clip=0.0,
+        average=0.0,
+        dropout=0.5,
+        noise=0.0,
+        detector=0.0,
+        bodies=False,
+        masks=False,
+        balance=0.0,
+    ),
+}
+
+MAX_MISSING = 4  # most joints hidden in training: the lifter refuses more
+
+
+def draw_2d(joints: np.ndarray, recipe: Recipe, rng: np.random.Generator):
+    """One fresh view of every pose: keypoints [F,14,3] and the truth in camera axes [F,14,3]."""
+    if recipe.bodies:
+        joints = cameras.vary_bodies(joints, rng)
+    truth = cameras.look(joints, rng)
+    points = cameras.project(truth)
+    count = len(points)
+    # Half of the poses get iid noise, half the detector's; each from none to the most.
+    strength = rng.random(count)
+    iid = rng.random(count) < 0.5
+    points = cameras.gaussian_noise(points, np.where(iid, strength * recipe.noise, 0.0), rng)
+    points = cameras.detector_noise(points, rng, np.where(iid, 0.0, strength * recipe.detector))
+    seen = draw_masks(count, rng) if recipe.masks else None
+    keypoints = cameras.keypoints(points, seen)
+    return keypoints.astype(np.float32), truth.astype(np.float32)
+
+
+def draw_masks(count: int, rng: np.random.Generator) -> np.ndarray:
+    """Half of the poses whole, a quarter without 1 to 4 random joints, a quarter without a limb."""
+    kind = rng.integers(0, 4, count)
+    missing = np.where(kind == 2, rng.integers(1, MAX_MISSING + 1, count), 0)
+    seen = cameras.hide_random(count, missing, rng)
+    limb = rng.integers(0, len(LIMBS), count)
+    for i, name in enumerate(LIMBS):
+        chosen = (kind == 3) & (limb == i)
+        seen[chosen] = cameras.hide_limb(int(chosen.sum()), name)
+    return seen
+
+
+def pick_poses(subject: np.ndarray, recipe: Recipe, rng: np.random.Generator) -> np.ndarray:
+    """Indices of an epoch: as many poses as there are, subjects balanced as the recipe says."""
+    if recipe.balance == 0.0:
+        return rng.permutation(len(subject))
+    _, inverse, counts = np.unique(subject, return_inverse=True, return_counts=True)
+    weight = counts[inverse] ** -recipe.balance
+    return rng.choice(len(subject), len(subject), p=weight / weight.sum())
+
+
+def make_steps(recipe: Recipe, optimizer: optax.GradientTransformation):
+    """The jitted epoch of each phase: (carry, keypoints, truth, key) -> (carry, loss).
+
+    carry is (params, their average, the optimizer's state); keypoints and truth are the epoch's
+    batches [steps,B,14,3].
+    """
+
+    def l2_loss(params, keypoints, truth, key):
+        predicted = network.fconn(params, network.edm_2d(keypoints), key, recipe.dropout)
+        return jnp.mean((predicted - network.edm_3d(truth)) ** 2)
+
+    def mds_loss(params, keypoints, truth, key):
+        predicted = network.fconn(params, network.edm_2d(keypoints), key, recipe.dropout)
+        error = network.joint_errors(network.classical_mds(predicted), truth).mean()
+        share = jnp.mean((predicted - network.edm_3d(truth)) ** 2)
+        return error + recipe.distance_share * share
+
+    def epoch(loss):
+        def step(carry, batch):
+            params, average, state = carry
+            value, gradient = jax.value_and_grad(loss)(params, *batch)
+            updates, state = optimizer.update(gradient, state, params)
+            params = optax.apply_updates(params, updates)
+            average = optax.incremental_update(params, average, 1 - recipe.average)
+            return (params, average, state), value
+
+        def run(carry, keypoints, truth, key):
+            keys = jax.random.split(key, len(keypoints))
+            carry, values = jax.lax.scan(step, carry, (keypoints, truth, keys))
+            return carry, values.mean()
+
+        return jax.jit(run)
+
+    return epoch(l2_loss), epoch(mds_loss)
+
+
+def make_optimizer(recipe: Recipe, steps_per_epoch: int) -> optax.GradientTransformation:
+    total = (recipe.l2_epochs + recipe.mds_epochs) * steps_per_epoch
+    if recipe.drop_rate_at > 0:
+        schedule = optax.piecewise_constant_schedule(
+            recipe.rate, {int(total * recipe.drop_rate_at): 0.1}
+        )
+    else:
+        schedule = optax.warmup_cosine_decay_schedule(
+            0.0, recipe.rate, 2 * steps_per_epoch, total, recipe.rate * 1e-3
+        )
+    clip = optax.clip_by_global_norm(recipe.clip) if recipe.clip > 0 else optax.identity()
+    return optax.chain(clip, optax.adam(schedule))
+
+
+def validation_set(joints: np.ndarray, seed: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Fixed views of the people held out: exact, noisy, detector-like, two joints missing."""
+    rng = np.random.default_rng([seed, 1 << 30])
+    truth = cameras.look(joints, rng)
+    points = cameras.project(truth)
+    hidden = cameras.hide_random(len(points), 2, rng)
+    columns = {
+        "gt": cameras.keypoints(points),
+        "n10": cameras.keypoints(cameras.gaussian_noise(points, 10.0, rng)),
+        "cpm": cameras.keypoints(cameras.detector_noise(points, rng)),
+        "rand2": cameras.keypoints(points, hidden),
+    }
+    return {name: (k.astype(np.float32), truth.astype(np.float32)) for name, k in columns.items()}
+
+
+@jax.jit
+def oracle_errors(params, keypoints, truth):
+    """Mean joint error of each pose, better of pose and reflection, metres [B]."""
+    points = network.classical_mds(network.fconn(params, network.edm_2d(keypoints)))
+    return network.joint_errors(points, truth).mean(1)
+
+
+def validate(params, columns, subject: np.ndarray) -> dict[str, float]:
+    """Oracle-mirror error of each column in mm: the mean over subjects of their means."""
+    result = {}
+    for name, (keypoints, truth) in columns.items():
+        error = np.asarray(oracle_errors(params, keypoints, truth))
+        means = [error[subject == s].mean() for s in np.unique(subject)]
+        result[name] = round(float(1000 * np.mean(means)), 2)
+    return result
+
+
+class Run:
+    """A training run: parameters, their average, and the optimizer, epoch by epoch."""
+
+    def __init__(self, motion: Motion, recipe: Recipe, seed: int):
+        self.motion, self.recipe, self.seed = motion, recipe, seed
+        self.steps = len(motion.joints) // recipe.batch
+        if self.steps == 0:
+            raise MocapError(f"{len(motion.joints)} poses do not fill a batch of {recipe.batch}")
+        optimizer = make_optimizer(recipe, self.steps)
+        self.l2_epoch, self.mds_epoch = make_steps(recipe, optimizer)
+        mean = np.linalg.norm(
+            motion.joints[:, PAIRS[0]] - motion.joints[:, PAIRS[1]], axis=-1
+        ).mean(0)
+        widths = (len(mean), *recipe.hidden, len(mean))
+        params = network.init_fconn(widths, mean, seed)
+        self.carry = (params, params, optimizer.init(params))
+        self.epoch = 0
+
+    @property
+    def epochs(self) -> int:
+        return self.recipe.l2_epochs + self.recipe.mds_epochs
+
+    @property
+    def params(self) -> network.Params:
+        """The averaged weights: what is validated and saved."""
+        return self.carry[1]
+
+    def draw(self, epoch: int) -> tuple[np.ndarray, np.ndarray]:
+        """The batches of an epoch, from the seed and its number alone."""
+        rng = np.random.default_rng([self.seed, epoch])
+        chosen = pick_poses(self.motion.subject, self.recipe, rng)[: self.steps * self.recipe.batch]
+        keypoints, truth = draw_2d(self.motion.joints[chosen], self.recipe, rng)
+        shape = (self.steps, self.recipe.batch, *truth.shape[1:])
+        return keypoints.reshape(shape), truth.reshape(shape)
+
+    def advance(self, batches: tuple[np.ndarray, np.ndarray]) -> float:
+        """One epoch; returns the mean loss."""
+        step = self.l2_epoch if self.epoch < self.recipe.l2_epochs else self.mds_epoch
+        self.carry, loss = step(self.carry, *batches, jax.random.key(self.epoch))
+        self.epoch += 1
+        return float(loss)
+
+    def save_state(self, path: Path) -> None:
+        leaves = jax.tree.leaves(self.carry)
+        temporary = path.with_suffix(".tmp")
+        with temporary.open("wb") as file:
+            np.savez(file, *map(np.asarray, leaves), epoch=self.epoch, recipe=self.describe())
+        temporary.replace(path)
+
+    def load_state(self, path: Path) -> None:
+        with np.load(path) as state:
+            if str(state["recipe"]) != self.describe():
+                raise ValueError(f"{path}: of another recipe or seed; remove it to start anew")
+            leaves = [jnp.asarray(state[f"arr_{i}"]) for i in range(len(state.files) - 2)]
+            self.carry = jax.tree.unflatten(jax.tree.structure(self.carry), leaves)
+            self.epoch = int(state["epoch"])
+
+    def describe(self) -> str:
+        return json.dumps({"seed": self.seed, **dataclasses.asdict(self.recipe)})
+
+
+def split(motion: Motion, held_out: list[int]) -> tuple[Motion, Motion]:
+    """Training and validation people; without any held out, both are everyone."""
+    apart = np.isin(motion.subject, held_out)
+    missing = set(held_out) - set(motion.subject.tolist())
+    if missing:
+        raise MocapError(f"no subject {sorted(missing)} in {motion.source}")
+    return motion.take(~apart), motion.take(apart if held_out else ~apart)
+
+
+def train(run: Run, held: Motion, state: Path, every: int = 10) -> dict[str, float]:
+    """Runs to the last epoch with a progress bar; returns the validation error in mm."""
+    sample = held.take(np.arange(0, len(held.joints), max(1, len(held.joints) // 6000)))
+    columns = validation_set(sample.joints, run.seed)
+    result = validate(run.params, columns, sample.subject)
+    with (
+        ThreadPoolExecutor(1) as pool,  # draws the next epoch while this one trains
+        tqdm(total=run.epochs, initial=run.epoch, unit="epoch") as bar,
+    ):
+        following = pool.submit(run.draw, run.epoch)
+        while run.epoch < run.epochs:
+            batches = following.result()
+            following = pool.submit(run.draw, run.epoch + 1)
+            loss = run.advance(batches)
+            if not np.isfinite(loss):
+                raise FloatingPointError(f"loss is {loss} in epoch {run.epoch}: lower the rate")
+            if run.epoch % every == 0 or run.epoch == run.epochs:
+                result = validate(run.params, columns, sample.subject)
+                run.save_state(state)
+            bar.update()
+            bar.set_postfix(loss=f"{loss:.4f}", **result)
+    return result
+
+
+def settings(run: Run) -> dict:
+    """What the library needs beside the layers, measured on a few epochs of training views."""
+    widest, points, truths = 0.0, [], []
+    for epoch in range(3):
+        keypoints, truth = draw_2d(
+            run.motion.joints, run.recipe, np.random.default_rng([run.seed, 1 << 31, epoch])
+        )
+        edm = network.edm_2d(jnp.asarray(keypoints))
+        widest = max(widest, float(edm.max()))
+        points.append(np.asarray(network.classical_mds(network.fconn(run.params, edm))))
+        truths.append(truth)
+    weights = fit_mirror(np.concatenate(points).astype(float), np.concatenate(truths).astype(float))
+    return {
+        "fewest_joints": 14 - MAX_MISSING if run.recipe.masks else 14,
+        "widest": float(np.ceil(2 * widest) / 2),
+        "objective": "none",
+        "refine_steps": 0,
+        "mirror": [round(float(w), 4) for w in weights],
+    }
+
+
+def write(run: Run, name: str, validation: dict[str, float], held_out: list[int], out: Path):
+    """Weights to `out` and the manifest beside it."""
+    layers = [(np.asarray(w), np.asarray(b)) for w, b in run.params]
+    arrays = {f"weight{i}": w for i, (w, _) in enumerate(layers)}
+    arrays |= {f"bias{i}": b for i, (_, b) in enumerate(layers)}
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with out.open("wb") as file:
+        np.savez(file, **arrays)
+    motion = run.motion
+    manifest = settings(run) | {
+        "recipe": {"name": name, "seed": run.seed, **dataclasses.asdict(run.recipe)},
+        "data": {
+            "source": motion.source,
+            "poses": len(motion.joints),
+            "subjects": np.unique(motion.subject).tolist(),
+            "held_out": held_out,
+            "sha256": hashlib.sha256(np.ascontiguousarray(motion.joints).tobytes()).hexdigest(),
+        },
+        "validation": validation,
+    }
+    out.with_suffix(".json").write_text(json.dumps(manifest, indent=2) + "\n")
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
+    parser.add_argument("--out", type=Path, required=True, help="weights, .npz")
+    parser.add_argument("--recipe", choices=RECIPES, default="mds")
+    parser.add_argument("--epochs", type=int, help="epochs in all, instead of the recipe's")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument(
+        "--hold-out", type=int, nargs="*", default=[], metavar="SUBJECT", help="validation people"
+    )
+    return parser.parse_args()
+
+
+def shorten(recipe: Recipe, epochs: int | None) -> Recipe:
+    """The recipe with its epochs scaled to a total."""
+    if epochs is None:
+        return recipe
+    total = recipe.l2_epochs + recipe.mds_epochs
+    l2 = round(epochs * recipe.l2_epochs / total)
+    return dataclasses.replace(recipe, l2_epochs=l2, mds_epochs=epochs - l2)
+
+
+def main() -> int:
+    args = arguments()
+    state = args.out.with_suffix(".state")
+    try:
+        motion, held = split(load_motion(args.motion), args.hold_out)
+        run = Run(motion, shorten(RECIPES[args.recipe], args.epochs), args.seed)
+        if state.exists():
+            run.load_state(state)
+        args.out.parent.mkdir(parents=True, exist_ok=True)
+        validation = train(run, held, state)
+    except (MocapError, ValueError, FloatingPointError, OSError) as error:
+        print(f"train: {error}", file=sys.stderr)
+        return 1
+    write(run, args.recipe, validation, args.hold_out, args.out)
+    state.unlink()
+    people = "people held out" if args.hold_out else "training people"
+    print(f"{args.out}: error of {people}, mm, better of pose and reflection: {validation}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
