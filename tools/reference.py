@@ -163,7 +163,7 @@ SHINS = (("right_knee", "right_ankle"), ("left_knee", "left_ankle"))
 def mirror_features(points: np.ndarray) -> np.ndarray:
     """How far arms, forearms, head, thighs and shins point forward of the torso.
 
-    [...,14,3] -> [...,5].  Sums of cosines over right and left; the features of the mirror image are minus these.
+    [...,14,3] -> [...,5].  Sums of cosines over right and left; the mirror image has them negated.
     """
 
     def bone(start, end):

@@ -158,7 +158,7 @@ def make_optimizer(recipe: Recipe, steps_per_epoch: int) -> optax.GradientTransf
         )
     else:
         schedule = optax.warmup_cosine_decay_schedule(
-            0.0, recipe.rate, 2 * steps_per_epoch, total, recipe.rate * 1e-3
+            0.0, recipe.rate, min(2 * steps_per_epoch, total // 2), total, recipe.rate * 1e-3
         )
     clip = optax.clip_by_global_norm(recipe.clip) if recipe.clip > 0 else optax.identity()
     return optax.chain(clip, optax.adam(schedule))

@@ -1,0 +1,119 @@
+"""The metric measures what it says, on lifters whose errors are known."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import evaluate
+from edmlift import Poses
+from skeleton import INDEX, mid_hip
+
+
+@dataclass
+class Pretend:
+    """A lifter that returns prepared joints."""
+
+    joints: np.ndarray
+    status: str = "ok"
+
+    def lift(self, keypoints):
+        count = len(keypoints)
+        nothing = np.zeros(count)
+        return Poses(self.joints.copy(), nothing, nothing, np.full(count, self.status))
+
+
+@pytest.fixture
+def truth():
+    return np.random.default_rng(0).normal(0, 0.4, (60, 14, 3)) + [0, 0, 4]
+
+
+SUBJECT = np.repeat([1, 2, 3], [40, 15, 5])
+
+
+def figures(joints, truth, seen=None):
+    seen = np.ones(truth.shape[:2], bool) if seen is None else seen
+    column = evaluate.Column(np.zeros((*truth.shape[:2], 3)), seen)
+    return evaluate.measure(Pretend(joints), column, truth, SUBJECT)
+
+
+def test_a_turned_and_moved_truth_has_no_error(truth):
+    turned = truth @ Rotation.random(rng=np.random.default_rng(1)).as_matrix() + [1, 2, 3]
+    result = figures(turned, truth)
+    assert result["error"] == pytest.approx(0, abs=1e-6)
+    assert result["mirror_right_percent"] == 100 and result["pck150_percent"] == 100
+    assert result["camera_axes"] > 100  # no alignment there
+
+
+def test_the_mirror_image_is_wrong_but_for_the_oracle(truth):
+    result = figures(truth * [1, 1, -1], truth)
+    assert result["error"] > 50 and result["mirror_right_percent"] == 0
+    assert result["oracle_mirror"] == pytest.approx(0, abs=1e-6)
+
+
+def test_size_counts_unless_scaled(truth):
+    result = figures(truth * 1.1, truth)
+    assert result["with_scale"] == pytest.approx(0, abs=1e-6)
+    centred = truth - truth.mean(1, keepdims=True)
+    expected = [(100 * np.linalg.norm(centred[s == SUBJECT], axis=-1)).mean() for s in (1, 2, 3)]
+    assert result["error"] == pytest.approx(np.mean(expected))
+
+
+def test_subjects_count_alike(truth):
+    joints = truth.copy()
+    joints[SUBJECT == 3] *= [1, 1, -1]  # 5 of 60 frames, 1 of 3 subjects
+    result = figures(joints, truth)
+    assert result["mirror_right_percent"] == pytest.approx(200 / 3)
+    assert result["mirror_right_percent_of_frames"] == pytest.approx(100 * 55 / 60)
+    low, high = result["interval"]
+    assert low == pytest.approx(0, abs=1e-6) and high > result["error"]
+
+
+def test_hidden_joints_are_told_apart(truth):
+    seen = np.ones((60, 14), bool)
+    seen[:, INDEX["left_wrist"]] = False
+    joints = truth.copy()
+    joints[:, INDEX["left_wrist"]] += [0.2, 0, 0]
+    result = figures(joints, truth, seen)
+    assert result["hidden_joints"] == pytest.approx(result["by_joint"]["left_wrist"])
+    assert result["hidden_joints"] > 5 * result["by_joint"]["right_knee"]
+    assert "hidden_joints" not in figures(joints, truth)
+
+
+def test_camera_axes_compares_without_turning(truth):
+    rooted = truth - mid_hip(truth)[:, None]
+    assert figures(rooted, truth)["camera_axes"] == pytest.approx(0, abs=1e-6)
+
+
+def test_refused_poses_are_counted_and_left_out(truth):
+    class Half(Pretend):
+        def lift(self, keypoints):
+            poses = super().lift(keypoints)
+            poses.status[::2] = "unusual"
+            poses.joints[::2] = np.nan
+            return poses
+
+    column = evaluate.Column(np.zeros((60, 14, 3)), np.ones((60, 14), bool))
+    result = evaluate.measure(Half(truth), column, truth, SUBJECT)
+    assert result["refused"] == 30 and result["error"] == pytest.approx(0, abs=1e-6)
+
+
+def test_views_are_the_protocols_columns():
+    joints = np.random.default_rng(2).normal(0, 0.3, (200, 14, 3)) + [0, 1, 0]
+    truth, columns = evaluate.views(joints)
+    limbs = ["right_arm", "left_arm", "right_leg", "left_leg"]
+    assert list(columns) == ["gt", "n5", "n10", "n15", "n20", "cpm", "rand2", *limbs]
+    exact = columns["gt"].keypoints[..., :2]
+    for name, sigma in evaluate.NOISE.items():
+        off = columns[name].keypoints[..., :2] - exact
+        assert off.std() == pytest.approx(sigma, rel=0.05)
+    assert (columns["rand2"].seen.sum(1) == 12).all()
+    again = evaluate.views(joints)[1]
+    assert all(np.array_equal(columns[n].keypoints, again[n].keypoints) for n in columns)
+    assert truth.shape == (200, 14, 3)
+
+
+def test_tables_have_a_row_a_figure(truth):
+    text = evaluate.markdown({"gt": figures(truth, truth)})
+    assert "| error | 0.0 |" in text and "| left_wrist | 0.0 |" in text

@@ -1,0 +1,182 @@
+"""Training: gradients, draws, resuming, and errors; on a handful of made-up poses."""
+
+import dataclasses
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from test_cameras import STANDING
+
+import mirror
+import network
+import reference
+import train
+from mocap import MocapError, Motion
+from skeleton import JOINTS, PAIRS
+
+TRAIN = Path(train.__file__)
+SHORT = train.Recipe(l2_epochs=2, mds_epochs=2, batch=50, hidden=(16, 16))
+
+
+def people(count: int = 400) -> Motion:
+    rng = np.random.default_rng(0)
+    joints = STANDING + rng.normal(0, 0.05, (count, 14, 3))
+    numbers = np.arange(count)
+    return Motion(
+        joints=joints.astype(np.float32),
+        subject=numbers % 4 + 1,
+        trial=numbers * 0,
+        frame=numbers,
+        action=numbers * 0 - 1,
+        action_names=(),
+        source="made up",
+    )
+
+
+def test_the_mds_is_the_references():
+    distance = reference.distances(STANDING) * np.random.default_rng(1).uniform(0.8, 1.2, 91)
+    mine = np.asarray(network.classical_mds(jnp.asarray(distance[None], jnp.float32)))[0]
+    expected = reference.mds(distance)
+    assert np.allclose(reference.distances(mine), reference.distances(expected), atol=1e-5)
+
+
+def test_the_gradient_through_the_mds_is_the_slope():
+    rng = np.random.default_rng(2)
+    start = reference.distances(STANDING) * rng.uniform(0.9, 1.1, 91)
+    weight = rng.normal(size=(14, 14))
+
+    def value(distance):  # of the Gram matrix of the points: it does not depend on their signs
+        points = network.classical_mds(distance[None])[0]
+        return jnp.sum(jnp.asarray(weight) * (points @ points.T))
+
+    with jax.enable_x64():
+        gradient = jax.grad(value)(jnp.asarray(start))
+        for k in rng.choice(91, 12, replace=False):
+            step = np.zeros(91)
+            step[k] = 1e-6
+            slope = (value(jnp.asarray(start + step)) - value(jnp.asarray(start - step))) / 2e-6
+            # The regularised gaps cost a share of 1e-6 / gap^2.
+            assert float(gradient[k]) == pytest.approx(float(slope), rel=1e-2, abs=1e-3)
+
+
+def test_the_input_is_the_references():
+    keypoints, _ = train.draw_2d(people().joints, SHORT, np.random.default_rng(3))
+    edm = np.asarray(network.edm_2d(jnp.asarray(keypoints)))
+    for i in range(0, 400, 20):
+        assert np.allclose(edm[i], reference.edm(keypoints[i].astype(float), 4, 99), atol=1e-5)
+
+
+def test_draws_hide_none_some_or_a_limb():
+    seen = train.draw_masks(4000, np.random.default_rng(4))
+    missing = (~seen).sum(1)
+    assert (missing == 0).mean() == pytest.approx(0.5, abs=0.03)
+    assert missing.max() == train.MAX_MISSING
+
+
+def test_balancing_evens_out_the_subjects():
+    subject = np.repeat([1, 2], [900, 100])
+    rng = np.random.default_rng(5)
+    share = [
+        (subject[train.pick_poses(subject, dataclasses.replace(SHORT, balance=b), rng)] == 2).mean()
+        for b in (0.0, 0.5, 1.0)
+    ]
+    assert share == pytest.approx([0.1, 0.25, 0.5], abs=0.05)
+
+
+def test_the_loss_falls_and_a_resumed_run_is_the_same(tmp_path):
+    whole, losses = train.Run(people(), SHORT, 7), []
+    while whole.epoch < whole.epochs:
+        losses.append(whole.advance(whole.draw(whole.epoch)))
+        if whole.epoch == 2:
+            whole.save_state(tmp_path / "state")
+    assert losses[1] < losses[0] and losses[3] < losses[2]
+    resumed = train.Run(people(), SHORT, 7)
+    resumed.load_state(tmp_path / "state")
+    while resumed.epoch < resumed.epochs:
+        resumed.advance(resumed.draw(resumed.epoch))
+    for (w, b), (w2, b2) in zip(whole.params, resumed.params, strict=True):
+        assert np.array_equal(w, w2) and np.array_equal(b, b2)
+
+
+def test_a_state_of_another_recipe_is_refused(tmp_path):
+    train.Run(people(), SHORT, 7).save_state(tmp_path / "state")
+    with pytest.raises(ValueError, match="another recipe or seed"):
+        train.Run(people(), SHORT, 8).load_state(tmp_path / "state")
+
+
+def test_held_out_people_are_apart():
+    rest, held = train.split(people(), [2, 3])
+    assert set(rest.subject) == {1, 4} and set(held.subject) == {2, 3}
+    with pytest.raises(MocapError, match="no subject .*9"):
+        train.split(people(), [9])
+
+
+def test_too_few_poses_are_an_error():
+    with pytest.raises(MocapError, match="do not fill a batch"):
+        train.Run(people(20), SHORT, 0)
+
+
+def test_the_papers_recipe_is_the_papers():
+    paper = train.RECIPES["paper"]
+    assert (paper.l2_epochs, paper.mds_epochs, paper.batch) == (500, 0, 200)
+    assert (paper.dropout, paper.rate, paper.drop_rate_at) == (0.5, 1e-3, 0.5)
+
+
+def test_dropout_is_for_training_only():
+    params = network.init_fconn((91, 16, 16, 91), np.ones(91), 0)
+    x = jnp.ones((3, 91))
+    still = network.fconn(params, x)
+    assert np.array_equal(still, network.fconn(params, x, None, 0.5))
+    assert not np.array_equal(still, network.fconn(params, x, jax.random.key(0), 0.5))
+
+
+def test_the_mirror_weights_tell_people_from_their_reflections():
+    truth = people().joints.astype(float)
+    flipped = np.arange(len(truth)) % 2 == 0  # the network's handedness is arbitrary
+    either = np.where(flipped[:, None, None], truth * [1, 1, -1], truth)
+    weights = mirror.fit_mirror(either, truth)
+    score = reference.mirror_features(truth) @ weights
+    assert (score > 0).mean() > 0.95
+
+
+def run_train(*arguments):
+    return subprocess.run(
+        [sys.executable, TRAIN, *map(str, arguments)], capture_output=True, text=True, check=False
+    )
+
+
+def test_the_command_writes_weights_and_manifest(tmp_path):
+    motion = people()
+    np.savez(
+        tmp_path / "motion.npz",
+        joints=motion.joints,
+        subject=motion.subject,
+        trial=motion.trial,
+        frame=motion.frame,
+        joint_names=np.array(JOINTS),
+        up="y",
+        unit="m",
+    )
+    out = tmp_path / "net.npz"
+    done = run_train(tmp_path / "motion.npz", "--out", out, "--epochs", 2, "--hold-out", 4)
+    assert done.returncode == 0, done.stderr
+    manifest = json.loads(out.with_suffix(".json").read_text())
+    assert manifest["data"]["subjects"] == [1, 2, 3] and manifest["data"]["held_out"] == [4]
+    assert len(manifest["mirror"]) == 5 and manifest["widest"] > 2
+    with np.load(out) as weights:
+        assert weights["weight0"].shape == (91, 128) and weights["bias2"].shape == (91,)
+    assert not out.with_suffix(".state").exists()
+
+
+def test_missing_motion_is_a_clear_error(tmp_path):
+    done = run_train(tmp_path / "none.npz", "--out", tmp_path / "net.npz")
+    assert done.returncode == 1 and "none.npz" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_pairs_are_row_by_row():
+    assert list(zip(*PAIRS, strict=True))[:3] == [(0, 1), (0, 2), (0, 3)]
