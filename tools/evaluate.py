@@ -1,6 +1,7 @@
 """Accuracy of a model on motion capture, through the C library: Markdown and JSON.
 
     evaluate.py TEST.npz [--model fconn_f32] [--out build/report] [--quick]
+    evaluate.py TEST.npz --manifest gen/fconn.json --update README.md
 
 Poses are seen by virtual cameras with a fixed seed (tools/cameras.py), exact, noisy, as by a
 detector, and with joints missing.  The error of a pose is the mean distance of its 14 joints from
@@ -18,6 +19,7 @@ import numpy as np
 from tqdm import tqdm
 
 import cameras
+import marks
 from edmlift import Library
 from mirror import rigid_errors
 from mocap import MocapError, Motion, load_motion
@@ -142,16 +144,23 @@ def cell(value: float | int | list[float] | None) -> str:
 
 
 def markdown(figures: dict) -> str:
-    """The figures as two tables: by column, and by joint on exact 2D."""
-    lines = ["| mm | " + " | ".join(figures) + " |", "|---" * (len(figures) + 1) + "|"]
-    for key, title in ROWS.items():
-        cells = [cell(column.get(key)) for column in figures.values()]
-        lines.append(f"| {title} | " + " | ".join(cells) + " |")
-    lines += ["", "| joint | " + " | ".join(figures) + " |", "|---" * (len(figures) + 1) + "|"]
-    for joint in JOINTS:
-        cells = [cell(column["by_joint"][joint]) for column in figures.values()]
-        lines.append(f"| {joint} | " + " | ".join(cells) + " |")
+    """The figures as two tables, a column a condition: first the means, then joint by joint."""
+    rows = {title: [c.get(key) for c in figures.values()] for key, title in ROWS.items()}
+    joints = {j: [c["by_joint"][j] for c in figures.values()] for j in JOINTS}
+    return table("mm", list(figures), rows) + "\n" + table("joint, mm", list(figures), joints)
+
+
+def table(corner: str, columns: list[str], rows: dict[str, list]) -> str:
+    lines = [f"| {corner} | " + " | ".join(columns) + " |", "|---" + "|--:" * len(columns) + "|"]
+    lines += [f"| {title} | " + " | ".join(map(cell, row)) + " |" for title, row in rows.items()]
     return "\n".join(lines) + "\n"
+
+
+def note_errors(manifest: Path, figures: dict) -> None:
+    """Writes the error of each column into a model's manifest, where the exporter finds it."""
+    settings = json.loads(manifest.read_text())
+    settings["metrics"] = {name: round(column["error"], 1) for name, column in figures.items()}
+    manifest.write_text(json.dumps(settings, indent=2) + "\n")
 
 
 def rounded(value):
@@ -170,6 +179,8 @@ def main() -> int:
     parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
     parser.add_argument("--model", default="fconn_f32")
     parser.add_argument("--out", type=Path, help="folder for accuracy.md and accuracy.json")
+    parser.add_argument("--manifest", type=Path, help="JSON of the model: note the errors there")
+    parser.add_argument("--update", type=Path, help="Markdown file with marks for the table")
     parser.add_argument("--quick", action="store_true", help="every 20th pose")
     args = parser.parse_args()
     try:
@@ -186,6 +197,10 @@ def main() -> int:
         args.out.mkdir(parents=True, exist_ok=True)
         (args.out / "accuracy.md").write_text(text)
         (args.out / "accuracy.json").write_text(json.dumps(figures, indent=2) + "\n")
+    if args.manifest:
+        note_errors(args.manifest, figures)
+    if args.update:
+        marks.write(args.update, "accuracy", text.partition("\n\n")[0])
     return 0
 
 

@@ -1,0 +1,142 @@
+"""The C stages against the NumPy reference: 500 poses of the sample clips, the shipped model."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from conftest import ROOT
+from scipy.spatial.transform import Rotation
+
+import cameras
+import reference
+from edmlift import Library
+
+POSITIONS = 5e-5  # metres: the promise of the header and of tests/tolerance.h
+TOLERANCE = {
+    name: float(value)
+    for name, value in re.findall(
+        r"#define (\w+_TOLERANCE) ([\d.e-]+)F", (ROOT / "tests" / "tolerance.h").read_text()
+    )
+}
+COUNT = 500
+
+
+@pytest.fixture(scope="module")
+def library():
+    return Library()
+
+
+@pytest.fixture(scope="module")
+def model():
+    settings = json.loads((ROOT / "gen" / "fconn.json").read_text())
+    with np.load(ROOT / "gen" / "fconn.npz") as weights:
+        layers = [(weights[f"weight{i}"], weights[f"bias{i}"]) for i in range(3)]
+    names = ("fewest_joints", "widest", "objective", "refine_steps")
+    picked = {name: settings[name] for name in names}
+    return reference.Model(layers, mirror=np.array(settings["mirror"]), **picked)
+
+
+@pytest.fixture(scope="module")
+def keypoints():
+    """Walk, cartwheel and kick from all around, noisy, with up to four joints missing."""
+    rng = np.random.default_rng(0)
+    files = [ROOT / "examples" / "data" / f"{c}_truth.csv" for c in ("walk", "cartwheel", "kick")]
+    joints = np.concatenate([np.loadtxt(f, delimiter=",").reshape(-1, 14, 3) for f in files])
+    joints = joints[rng.integers(0, len(joints), COUNT)]
+    yaw = Rotation.from_rotvec(rng.uniform(0, 2 * np.pi, (COUNT, 1)) * [0, 1, 0]).as_matrix()
+    seen_from = np.einsum("fij,fkj->fki", yaw, joints) + [0, 0, 4]
+    points = cameras.gaussian_noise(cameras.project(seen_from), rng.uniform(0, 15, COUNT), rng)
+    hidden = cameras.hide_random(COUNT, rng.integers(0, 5, COUNT), rng)
+    return cameras.keypoints(points, hidden).astype(np.float32)
+
+
+@pytest.fixture(scope="module")
+def predicted(model, keypoints):
+    """Distances [500,91] of the reference."""
+    edms = [reference.edm(k.astype(float), model.fewest_joints, model.widest) for k in keypoints]
+    return np.array([reference.net(model.layers, edm) for edm in edms])
+
+
+def apart(a, b):
+    """Largest distance of a joint after the best rotation or reflection, metres."""
+    u, _, vt = np.linalg.svd(a.T @ b)
+    return np.linalg.norm(a @ (u @ vt) - b, axis=1).max()
+
+
+def test_edm(library, model, keypoints):
+    for k in keypoints:
+        status, edm = library.edm(k, model.fewest_joints, model.widest)
+        expected = reference.edm(k.astype(float), model.fewest_joints, model.widest)
+        assert status == "ok"
+        assert np.abs(edm - expected).max() < TOLERANCE["EDM_TOLERANCE"]
+
+
+def test_network(library, model, keypoints, predicted):
+    for k, expected in zip(keypoints, predicted, strict=True):
+        edm = reference.edm(k.astype(float), model.fewest_joints, model.widest)
+        assert np.abs(library.net(edm) - expected).max() < 1e-5
+
+
+def test_eigenpairs(library, predicted):
+    for distance in predicted:
+        gram = reference.gram(distance)
+        values, vectors = library.jacobi(gram)
+        size = np.linalg.norm(gram)
+        expected = np.linalg.eigvalsh(gram)[::-1]
+        assert np.abs(values - expected).max() < TOLERANCE["EIGENPAIR_TOLERANCE"] * size
+        rest = gram @ vectors.T - vectors.T * values
+        assert np.abs(rest).max() < TOLERANCE["EIGENPAIR_TOLERANCE"] * size
+        assert np.abs(vectors @ vectors.T - np.eye(14)).max() < TOLERANCE["ORTHONORMAL_TOLERANCE"]
+
+
+def test_mds(library, predicted):
+    worst = max(apart(library.mds(d), reference.mds(d)) for d in predicted)
+    assert worst < POSITIONS
+
+
+@pytest.mark.parametrize("objective", ["square", "raw", "eq2"])
+def test_refinement(library, predicted, objective):
+    """Five steps agree in every pose.  Later a pose in hundreds may part ways with the reference,
+    where rounding decides whether a step still goes down: then the objective must be as low."""
+    apart_later = 0
+    for distance in predicted:
+        start = reference.mds(distance)
+        expected = reference.refine(start, distance, objective, 5)
+        refined, _ = library.refine(start, distance, objective, 5)
+        assert apart(refined, expected) < POSITIONS
+        expected = reference.refine(start, distance, objective, 10)
+        refined, _ = library.refine(start, distance, objective, 10)
+        apart_later += apart(refined, expected) >= POSITIONS
+        reached = reference.stress(refined, distance, objective)
+        assert reached <= 1.02 * reference.stress(expected, distance, objective)
+        assert reached <= reference.stress(start, distance, objective) * (1 + 1e-6)
+    assert apart_later <= 0.01 * COUNT
+
+
+def test_pose(library, model, keypoints):
+    poses = library.lift(keypoints)
+    assert (poses.status == "ok").all()
+    for i, k in enumerate(keypoints):
+        joints, margin, residual = reference.lift(model, k.astype(float))
+        if margin > 1e-3:  # else rounding decides the mirror image
+            assert np.linalg.norm(poses.joints[i] - joints, axis=1).max() < POSITIONS
+        assert poses.margin[i] == pytest.approx(margin, abs=1e-3)
+        assert poses.residual[i] == pytest.approx(residual, abs=1e-5)
+
+
+BAD = {
+    "not_finite": lambda k: k.__setitem__((3, 0), np.nan),
+    "too_few_joints": lambda k: k.__setitem__((slice(0, 6), 2), 0),
+    "degenerate": lambda k: k.__setitem__((slice(None), 1), 300),
+    "unusual": lambda k: k.__setitem__((slice(None), 0), k[:, 0] * 30),
+}
+
+
+@pytest.mark.parametrize("status", BAD)
+def test_refusals_agree(library, model, keypoints, status):
+    bad = keypoints[0].copy()
+    BAD[status](bad)
+    assert library.lift(bad[None]).status[0] == status
+    with pytest.raises(reference.Refused, match=status):
+        reference.lift(model, bad.astype(float))
