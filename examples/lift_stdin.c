@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,25 +45,27 @@ typedef struct {
 
 typedef enum { LINE_END, LINE_READ, LINE_TOO_LONG } line_result;
 
-/* Reads a line without its end, whatever bytes it holds; a longer one is skipped to its end. */
+static int is_blank(int c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+/* Reads a line without its end and its leading blanks, whatever bytes it holds.  Of one that is
+ * too long the beginning is kept, the rest read and dropped. */
 static line_result read_line(char line[LINE_MAX_BYTES + 1], size_t *length)
 {
-    size_t n = 0;
+    size_t bytes = 0, kept = 0;
     int c;
     while ((c = getchar()) != EOF && c != '\n') {
-        if (n < LINE_MAX_BYTES) line[n] = (char)c;
-        n++;
+        bytes++;
+        if (kept < LINE_MAX_BYTES && !(kept == 0 && is_blank(c))) line[kept++] = (char)c;
     }
-    if (c == EOF && n == 0) return LINE_END;
-    if (n > LINE_MAX_BYTES) return LINE_TOO_LONG;
-    line[n] = '\0';
-    *length = n;
-    return LINE_READ;
+    line[kept] = '\0';
+    *length = kept;
+    if (c == EOF && bytes == 0) return LINE_END;
+    return bytes > LINE_MAX_BYTES ? LINE_TOO_LONG : LINE_READ;
 }
 
 static const char *skip_blanks(const char *p)
 {
-    while (*p == ' ' || *p == '\t' || *p == '\r') p++;
+    while (is_blank(*p)) p++;
     return p;
 }
 
@@ -98,7 +101,8 @@ static const char *read_pose(edml_keypoint pose[EDML_JOINTS], const char *line, 
         const float *from = numbers + j * each;
         pose[j].x = from[0];
         pose[j].y = from[1];
-        pose[j].c = each == 2 ? 1.0F : from[2] <= threshold ? 0.0F : from[2];
+        pose[j].c = 1.0F;
+        if (each == 3) pose[j].c = isfinite(from[2]) && from[2] <= threshold ? 0.0F : from[2];
     }
     return NULL;
 }
@@ -126,54 +130,41 @@ static void print_header(void)
     fflush(stdout);
 }
 
-static int is_skipped(const char *line, size_t length)
+/* Lifts one line; returns NULL or what is wrong with it.  Counts refused poses. */
+static const char *lift_line(const options *set, const char *line, unsigned long *refused)
 {
-    const char *p = skip_blanks(line);
-    return *p == '#' || p == line + length;
-}
-
-/* Lifts one line; returns 0 if it is not a pose.  Counts refused poses. */
-static int lift_line(const options *set, const char *line, size_t length, unsigned long number,
-                     unsigned long *refused)
-{
-    static const char nul_byte[] = "holds a zero byte";
     edml_keypoint in[EDML_JOINTS];
     edml_pose pose;
     edml_work work;
-    const char *wrong =
-        strlen(line) == length ? read_pose(in, line, set->threshold) : nul_byte;
-    if (wrong != NULL) {
-        fprintf(stderr, "lift_stdin: line %lu: %s\n", number, wrong);
-        print_pose("bad_line", NULL);
-        return 0;
-    }
+    const char *wrong = read_pose(in, line, set->threshold);
+    if (wrong != NULL) return wrong;
     const edml_status status = edml_lift(&pose, in, set->model, &work);
     if (status != EDML_OK) ++*refused;
     print_pose(edml_status_name(status), status == EDML_OK ? &pose : NULL);
-    return 1;
+    return NULL;
 }
 
 static int lift_all(const options *set)
 {
-    static char line[LINE_MAX_BYTES + 1];
+    static char buffer[LINE_MAX_BYTES + 1];
     unsigned long number = 0, refused = 0, bad = 0;
     size_t length = 0;
     line_result result;
     if (set->header) print_header();
-    while (!ferror(stdout) && (result = read_line(line, &length)) != LINE_END) {
-        number++;
-        if (result == LINE_TOO_LONG) {
-            fprintf(stderr, "lift_stdin: line %lu: longer than %d bytes\n", number, LINE_MAX_BYTES);
-            print_pose("bad_line", NULL);
-            bad++;
-            continue;
-        }
-        const size_t mark = number == 1 && strncmp(line, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0; /* BOM */
-        if (is_skipped(line + mark, length - mark)) continue;
-        bad += !lift_line(set, line + mark, length - mark, number, &refused);
+    while (!ferror(stdout) && (result = read_line(buffer, &length)) != LINE_END) {
+        const int mark = ++number == 1 && strncmp(buffer, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0; /* BOM */
+        const char *line = skip_blanks(buffer + mark);
+        if (*line == '#' || line == buffer + length) continue;
+        const char *wrong = result == LINE_TOO_LONG    ? "longer than 4096 bytes"
+                            : strlen(buffer) != length ? "holds a zero byte"
+                                                       : lift_line(set, line, &refused);
+        if (wrong == NULL) continue;
+        fprintf(stderr, "lift_stdin: line %lu: %s\n", number, wrong);
+        print_pose("bad_line", NULL);
+        bad++;
     }
-    if (refused > 0) fprintf(stderr, "lift_stdin: %lu poses refused\n", refused);
-    if (bad > 0) fprintf(stderr, "lift_stdin: %lu bad lines\n", bad);
+    if (refused > 0) fprintf(stderr, "lift_stdin: refused poses: %lu\n", refused);
+    if (bad > 0) fprintf(stderr, "lift_stdin: bad lines: %lu\n", bad);
     if (ferror(stdin)) return fputs("lift_stdin: cannot read input\n", stderr), EXIT_TROUBLE;
     if (ferror(stdout)) return fputs("lift_stdin: cannot write output\n", stderr), EXIT_TROUBLE;
     return bad > 0 ? EXIT_BAD_LINES : EXIT_OK;
@@ -223,6 +214,14 @@ static void set_threshold(options *set, const char *text)
     exit(EXIT_TROUBLE);
 }
 
+/* Ends the program after an option that only prints. */
+static void finish(void)
+{
+    const int failed = fflush(stdout) != 0 || ferror(stdout);
+    if (failed) fputs("lift_stdin: cannot write output\n", stderr);
+    exit(failed ? EXIT_TROUBLE : EXIT_OK);
+}
+
 static options read_options(char **argv)
 {
     options set = {models[0], 0.0F, 0};
@@ -236,13 +235,13 @@ static options read_options(char **argv)
             set.header = 1;
         } else if (strcmp(argv[i], "--list-models") == 0) {
             print_models(stdout);
-            exit(EXIT_OK);
+            finish();
         } else if (strcmp(argv[i], "--help") == 0) {
             fputs(usage, stdout);
-            exit(EXIT_OK);
+            finish();
         } else if (strcmp(argv[i], "--version") == 0) {
             puts("lift_stdin (edmlift) " EDML_VERSION_STRING);
-            exit(EXIT_OK);
+            finish();
         } else {
             fprintf(stderr, "lift_stdin: unknown option '%s'; see --help\n", argv[i]);
             exit(EXIT_TROUBLE);

@@ -1,0 +1,129 @@
+"""The ctypes binding in tools/edmlift.py."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import edmlift
+
+ROOT = Path(__file__).resolve().parents[2]
+WALK = np.loadtxt(ROOT / "examples" / "data" / "walk.csv", delimiter=",").reshape(-1, 14, 3)
+
+
+@pytest.fixture(scope="module")
+def library() -> edmlift.Library:
+    path = Path(os.environ.get("EDMLIFT_LIBRARY", edmlift.LIBRARY))
+    if "EDMLIFT_LIBRARY" not in os.environ and not path.exists():
+        pytest.skip("the tools' library is not built")
+    return edmlift.Library()
+
+
+@pytest.fixture
+def mixed() -> np.ndarray:
+    """Six keypoint sets, the second, third and fifth of which are refused."""
+    keypoints = WALK[:6].copy()
+    keypoints[1, 3, 0] = np.nan
+    keypoints[2, 2:, 2] = 0
+    keypoints[4, :, :2] = 7
+    return keypoints
+
+
+def test_shapes_and_types(library: edmlift.Library):
+    poses = library.lift(WALK)
+    count = len(WALK)
+    assert poses.joints.shape == (count, 14, 3)
+    assert poses.margin.shape == poses.residual.shape == poses.status.shape == (count,)
+    assert poses.joints.dtype == poses.margin.dtype == poses.residual.dtype == np.float32
+    assert np.isfinite(poses.joints).all()
+    assert (poses.margin >= 0).all() and (poses.residual >= 0).all()
+
+
+def test_root_is_mid_hip(library: edmlift.Library):
+    joints = library.lift(WALK).joints
+    np.testing.assert_allclose(joints[:, 8] + joints[:, 11], 0, atol=1e-6)
+
+
+def test_statuses_and_nan_where_refused(library: edmlift.Library, mixed: np.ndarray):
+    poses = library.lift(mixed)
+    assert list(poses.status) == ["ok", "not_finite", "too_few_joints", "ok", "degenerate", "ok"]
+    refused = poses.status != "ok"
+    for numbers in (poses.joints.reshape(6, -1), poses.margin[:, None], poses.residual[:, None]):
+        assert np.isnan(numbers[refused]).all()
+        assert np.isfinite(numbers[~refused]).all()
+
+
+@pytest.mark.filterwarnings("error")
+def test_no_warnings(library: edmlift.Library, mixed: np.ndarray):
+    library.lift(mixed)
+
+
+def test_batch_equals_single(library: edmlift.Library, mixed: np.ndarray):
+    batch = library.lift(mixed)
+    for i, keypoints in enumerate(mixed):
+        single = library.lift(keypoints[None])
+        assert single.status[0] == batch.status[i]
+        for field in ("joints", "margin", "residual"):
+            np.testing.assert_array_equal(getattr(single, field)[0], getattr(batch, field)[i])
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64, np.int64])
+def test_any_kind_and_layout_of_numbers(library: edmlift.Library, kind: type):
+    whole = np.round(WALK)
+    expected = library.lift(whole).joints
+    strided = np.asfortranarray(np.repeat(whole.astype(kind), 2, axis=0))[::2]
+    np.testing.assert_array_equal(library.lift(strided).joints, expected)
+
+
+def test_input_is_left_alone(library: edmlift.Library, mixed: np.ndarray):
+    given = np.ascontiguousarray(mixed, np.float32)
+    before = given.copy()
+    library.lift(given)
+    np.testing.assert_array_equal(given, before)
+
+
+def test_empty_batch(library: edmlift.Library):
+    poses = library.lift(np.zeros((0, 14, 3)))
+    assert poses.joints.shape == (0, 14, 3)
+    assert poses.status.shape == poses.margin.shape == poses.residual.shape == (0,)
+
+
+@pytest.mark.parametrize("shape", [(14, 3), (5, 14, 2), (5, 17, 3), (1, 5, 14, 3), (0,), ()])
+def test_wrong_shape(library: edmlift.Library, shape: tuple[int, ...]):
+    with pytest.raises(ValueError, match=r"must be \[F,14,3\], not \("):
+        library.lift(np.zeros(shape))
+
+
+def test_missing_library_says_how_to_build_it(tmp_path: Path):
+    with pytest.raises(FileNotFoundError, match=r"none\.so: not built; see .*edmlift\.py"):
+        edmlift.Library(path=tmp_path / "none.so")
+
+
+def test_the_environment_names_the_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("EDMLIFT_LIBRARY", str(tmp_path / "theirs.so"))
+    with pytest.raises(FileNotFoundError, match="theirs"):
+        edmlift.Library()
+
+
+def test_unknown_model(library: edmlift.Library):
+    with pytest.raises(ValueError, match="edml_none"):
+        edmlift.Library("none")
+
+
+def test_status_names(library: edmlift.Library):
+    assert library.status_name(0) == "ok"
+    assert library.status_name(-3) == "too_few_joints"
+    assert library.status_name(-99) == "?"
+
+
+def test_the_stages_strung_together_are_the_lift(library: edmlift.Library):
+    # Up to the refinement, whose settings are the model's own.
+    status, edm = library.edm(WALK[0], fewest=10, widest=1e3)
+    assert status == "ok"
+    assert edm.shape == (91,) and (edm >= 0).all()
+    distance = library.net(edm)
+    points, margin = library.mirror(library.mds(distance))
+    pose = library.orient(points, WALK[0])
+    assert margin >= 0
+    assert np.abs(pose - library.lift(WALK[:1]).joints[0]).max() < 0.1  # metres

@@ -1,0 +1,116 @@
+# Set-up that tools/demo and tools/check share.  To be sourced, by bash, under `set -euo pipefail`:
+# it goes to the root of the repository and defines
+#
+#   step TEXT LOG COMMAND...           one line of output; what the command prints is in build/log
+#   need_packages [COMMAND:PACKAGE]... compiler, CMake, Ninja or Make, Python with venv, and what
+#                                      else is named: installs what is missing, or says its name
+#   make_venv                          build/venv as tools/requirements.txt has it
+#   configure FOLDER [OPTION]...       cmake with Ninja where there is one
+#
+# PYTHON chooses another interpreter than the first fit one on the path.
+
+# shellcheck shell=bash
+cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit
+root=$PWD
+logs=build/log
+venv=build/venv
+mkdir -p "$logs"
+
+has() { command -v "$1" >/dev/null 2>&1; }
+
+step() {
+    local text=$1 log=$logs/$2.log start=$SECONDS
+    shift 2
+    printf '%-44s' "$text"
+    if "$@" >"$log" 2>&1; then
+        printf '%4d s\n' $((SECONDS - start))
+    else
+        printf 'failed\n\n' && tail -n 20 "$log" >&2
+        printf '\nThe whole log: %s\n' "$root/$log" >&2
+        return 1
+    fi
+}
+
+# ---- What the system must have -----------------------------------------------------------------
+
+has_compiler() { # with the C library's headers
+    has cc && echo '#include <stdio.h>' | cc -E - >/dev/null 2>&1
+}
+
+has_cmake() { # 3.16 or later
+    local version
+    has cmake && version=$(cmake --version | sed -n 's/^cmake version //p') &&
+        printf '3.16\n%s\n' "$version" | sort -V -C
+}
+
+find_python() { # prints the first one that is 3.11 or later and can make environments
+    local python
+    for python in ${PYTHON:-python3 python3.13 python3.12 python3.11 /usr/bin/python3}; do
+        if "$python" -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' \
+            >/dev/null 2>&1; then
+            echo "$python"
+            return
+        fi
+    done
+    return 1
+}
+
+missing_packages() { # prints Debian's names, those of COMMAND:PACKAGE arguments included
+    has_compiler || echo gcc libc6-dev
+    has_cmake || echo cmake
+    has ninja || has make || echo ninja-build
+    find_python >/dev/null || echo python3 python3-venv
+    local pair
+    for pair in "$@"; do
+        has "${pair%%:*}" || echo "${pair#*:}"
+    done
+}
+
+as_root() {
+    if [ "$(id -u)" = 0 ]; then "$@"; else sudo -n "$@"; fi
+}
+
+apt_install() {
+    as_root apt-get update -q &&
+        as_root env DEBIAN_FRONTEND=noninteractive \
+            apt-get install -q -y --no-install-recommends "$@"
+}
+
+need_packages() {
+    local packages
+    packages=$(missing_packages "$@" | xargs)
+    [ -n "$packages" ] || return 0
+    if has apt-get && as_root true 2>/dev/null; then
+        # shellcheck disable=SC2086 # one word a package
+        step "Installing $packages" packages apt_install $packages || return 1
+        packages=$(missing_packages "$@" | xargs)
+        [ -n "$packages" ] || return 0
+    fi
+    {
+        echo "Please install (Debian's names): $packages"
+        echo "Needed: a C compiler, CMake 3.16, Ninja or Make, and Python 3.11 with venv, or later."
+    } >&2
+    return 1
+}
+
+# ---- Python and CMake --------------------------------------------------------------------------
+
+make_venv() {
+    # The copy says what was installed, and is written last.
+    local wanted=tools/requirements.txt installed=$venv/requirements.txt
+    "$venv/bin/python" -c '' 2>/dev/null && cmp -s "$wanted" "$installed" && return
+    step "Python packages into $venv" venv install_python "$wanted" && cp "$wanted" "$installed"
+}
+
+install_python() {
+    "$venv/bin/python" -m pip --version || "$(find_python)" -m venv --clear "$venv" || return 1
+    "$venv/bin/python" -m pip install --disable-pip-version-check -r "$1"
+}
+
+configure() {
+    local folder=$1 generator=()
+    shift
+    # A folder keeps the generator that it was made with.
+    if has ninja && [ ! -f "$folder/CMakeCache.txt" ]; then generator=(-G Ninja); fi
+    cmake -S . -B "$folder" "${generator[@]}" "$@"
+}
