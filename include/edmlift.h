@@ -80,7 +80,7 @@ typedef struct {
     X(EDML_ERR_ARGUMENT, -1, "argument")             /* a null pointer */                         \
     X(EDML_ERR_NOT_FINITE, -2, "not_finite")         /* NaN or infinity in a joint, or in any c */ \
     X(EDML_ERR_TOO_FEW_JOINTS, -3, "too_few_joints") /* fewer seen than the model was trained for */ \
-    X(EDML_ERR_DEGENERATE, -4, "degenerate")         /* equal points or no vertical extent */     \
+    X(EDML_ERR_DEGENERATE, -4, "degenerate")         /* on a point or line, or of no height */    \
     X(EDML_ERR_UNUSUAL, -5, "unusual")               /* wider for its height than any training pose */ \
     X(EDML_ERR_MODEL, -6, "model")                   /* the model's data do not match its checksum */
 
@@ -120,9 +120,10 @@ typedef struct {
 
 /* 2D distances between the joints, normalised: one factor for x and y, half the vertical extent
  * of the seen joints is 1 (section 3.1).  Pairs with a joint that was not seen are zero.
- *   edm  [91], 0 to `widest`
- * Returns EDML_ERR_NOT_FINITE, _TOO_FEW_JOINTS (fewer than `fewest`), _DEGENERATE, or _UNUSUAL (a
- * distance over `widest`). */
+ *   edm     [91] up to about 2 * widest
+ *   fewest  joints that must be seen, else EDML_ERR_TOO_FEW_JOINTS
+ *   widest  ratio of the box's width to its height that may not be passed, else EDML_ERR_UNUSUAL
+ * Also returns EDML_ERR_NOT_FINITE and EDML_ERR_DEGENERATE. */
 edml_status edml_edm_f32(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest,
                          float widest);
 
@@ -146,11 +147,13 @@ typedef struct {
     edml_rotation_f32 turn[640];            /* work memory */
 } edml_eigen_f32;
 
-/* All eigenpairs by cyclic Jacobi, to rounding; only the upper triangle of `a` is read. */
+/* All eigenpairs by cyclic Jacobi, to rounding; only the upper triangle of `a` is read.  The
+ * largest |entry| must be within 2^-60 to 2^56, or zero. */
 void edml_jacobi_f32(edml_eigen_f32 *eigen, const edml_matrix_f32 *a);
 
 /* Classical multidimensional scaling: the points whose distances are nearest, in the sense of
- * the Gram matrix (section 3.3).  Only the three largest eigenpairs are computed, to 0.05 mm or better.
+ * the Gram matrix (section 3.3).  Only the three largest eigenpairs are computed: to 0.05 mm where the third and
+ * the fourth eigenvalue are more than 1 % apart.
  *   x         [14] metres, centroid at the origin, principal axes, either mirror image
  *   distance  [91] metres, at most 4 */
 void edml_mds_f32(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_work *work);

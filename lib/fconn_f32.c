@@ -51,12 +51,13 @@ void edml__fconn_f32(float *distance, const float *edm, const edml_model *model,
     memcpy(distance, x, EDML_PAIRS * sizeof *distance);
 }
 
-static uint32_t hash_words(uint32_t hash, const float *values, int count)
+/* FNV-1a over the bytes of each value, the lowest first on every machine. */
+static uint32_t hash_values(uint32_t hash, const float *values, int count)
 {
     for (int i = 0; i < count; i++) {
         uint32_t word;
         memcpy(&word, &values[i], sizeof word);
-        hash = (hash ^ word) * 16777619U;
+        for (int shift = 0; shift < 32; shift += 8) hash = (hash ^ (word >> shift & 255)) * 16777619U;
     }
     return hash;
 }
@@ -67,8 +68,8 @@ uint32_t edml__fconn_hash_f32(const edml_model *model)
     uint32_t hash = 2166136261U;
     for (int n = 0; n < model->layer_count; n++) {
         const int rows = (layer[n].outputs + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS;
-        hash = hash_words(hash, layer[n].weight, rows * layer[n].inputs);
-        hash = hash_words(hash, layer[n].bias, rows);
+        hash = hash_values(hash, layer[n].weight, rows * layer[n].inputs);
+        hash = hash_values(hash, layer[n].bias, rows);
     }
     return hash;
 }

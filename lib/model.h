@@ -26,7 +26,7 @@ typedef struct {
 
 struct edml_model {
     const char *name;
-    uint32_t checksum; /* FNV-1a over the words of weights and biases, layer by layer */
+    uint32_t checksum; /* FNV-1a over the bytes of weights and biases, layer by layer */
 
     /* The network: the kernel is named here, so that a program links only what its model needs. */
     void (*predict)(float *distance, const float *edm, const edml_model *model, edml_work *work);
@@ -36,7 +36,7 @@ struct edml_model {
 
     /* Limits of what it was trained on. */
     uint8_t fewest_joints;
-    float widest; /* largest normalised 2D distance */
+    float widest; /* largest ratio of the width to the height of the seen joints */
 
     /* What was measured with it. */
     uint8_t objective; /* edml_objective */

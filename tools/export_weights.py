@@ -462,12 +462,12 @@ def pack(layer: Layer) -> Packed:
 
 
 def fnv1a(packed: Iterable[Packed]) -> int:
-    """FNV-1a over the 32-bit words of each layer's weights, then biases, as the target reads."""
+    """FNV-1a over the bytes of each layer's weights, then biases, little-endian."""
     value = 2166136261
     for layer in packed:
         for array in (layer.weight, layer.bias):
-            for word in array.astype("<f4").view("<u4").ravel().tolist():
-                value = (value ^ word) * 16777619 & 0xFFFFFFFF
+            for byte in array.astype("<f4").tobytes():
+                value = (value ^ byte) * 16777619 & 0xFFFFFFFF
     return value
 
 

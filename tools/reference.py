@@ -40,13 +40,13 @@ def edm(keypoints: np.ndarray, fewest: int, widest: float) -> np.ndarray:
     half = np.ptp(xy[seen, 1]) / 2
     if half <= np.abs(xy[seen]).max() / 4096:
         raise Refused("degenerate")
-    distance = np.linalg.norm(xy[:, None] / half - xy[None] / half, axis=-1)
-    distance[~seen] = distance[:, ~seen] = 0
-    if distance.max() > widest:
+    if np.ptp(xy[seen, 0]) / 2 > widest * half:
         raise Refused("unusual")
     spread = np.linalg.svd(xy[seen] - xy[seen].mean(0), compute_uv=False)
     if spread[1] <= spread[0] / 128:
         raise Refused("degenerate")
+    distance = np.linalg.norm(xy[:, None] / half - xy[None] / half, axis=-1)
+    distance[~seen] = distance[:, ~seen] = 0
     return distance[PAIRS]
 
 

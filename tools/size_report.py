@@ -12,125 +12,50 @@ a program does not use.
 import argparse
 import json
 import re
-import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
 
 import marks
+from firmware import CROSS, ROOT, SOURCES, TARGETS, Target, ToolError, build, compiler, emulate, run
 
-ROOT = Path(__file__).resolve().parent.parent
-SOURCES = sorted((ROOT / "lib").glob("*.c"))
-INCLUDE = [f"-I{ROOT / 'include'}", f"-I{ROOT / 'lib'}"]
-FLAGS = "-std=gnu99 -Os -mthumb -ffunction-sections -fdata-sections -ffp-contract=off".split()
-FLAGS += "-fno-math-errno --specs=picolibc.specs".split()
-LINK = "--oslib=semihost --crt0=semihost -DPICOLIBC_INTEGER_PRINTF_SCANF -Wl,--gc-sections".split()
+CORES = [TARGETS["cortex-m4f"], TARGETS["cortex-m7"], TARGETS["cortex-m33"]]
+LEVEL = "-Os"
 SLACK = 0.03  # of instructions
 
 
-@dataclass(frozen=True)
-class Core:
-    """A core, its compiler flags, and the QEMU board that has one."""
-
-    name: str
-    flags: str
-    board: str
-    flash: int
-    ram: int
-    mhz: int  # of the board's SysTick
-
-
-CORES = [
-    Core("Cortex-M4F", "-mcpu=cortex-m4 -mfpu=fpv4-sp-d16", "mps2-an386", 0, 0x20000000, 25),
-    Core("Cortex-M7", "-mcpu=cortex-m7 -mfpu=fpv5-sp-d16", "mps2-an500", 0, 0x20000000, 25),
-    Core(
-        "Cortex-M33", "-mcpu=cortex-m33 -mfpu=fpv5-sp-d16", "mps2-an505", 0x10000000, 0x38000000, 20
-    ),
-]
-
-
-class ReportError(Exception):
-    """What could not be measured or does not agree."""
-
-
-def run(command: list[str], **options) -> str:
-    """Output of a command; ReportError if it cannot be run or fails."""
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=300, **options)
-    except FileNotFoundError:
-        raise ReportError(f"{command[0]} is not installed; tools/check installs it") from None
-    if done.returncode != 0:
-        raise ReportError(f"{' '.join(command)}\n{done.stderr.strip()}")
-    return done.stdout
-
-
-def compiler(core: Core) -> list[str]:
-    return ["arm-none-eabi-gcc", *FLAGS, *core.flags.split(), "-mfloat-abi=hard", *INCLUDE]
-
-
-def flash_sizes(core: Core, folder: Path) -> tuple[int, int]:
+def flash_sizes(core: Target, folder: Path) -> tuple[int, int]:
     """Bytes of code, and of the model, constants included."""
     code = model = 0
     for source in SOURCES:
-        target = folder / f"{source.stem}.o"
-        run([*compiler(core), "-c", str(source), "-o", str(target)])
-        text, data, bss = map(
-            int, run(["arm-none-eabi-size", str(target)]).splitlines()[1].split()[:3]
-        )
-        if data or bss:
-            raise ReportError(f"{source.name} has {data} bytes of .data and {bss} of .bss")
+        item = folder / f"{source.stem}.o"
+        run(*compiler(core, LEVEL), "-c", source, "-o", item)
+        size = int(run(f"{CROSS}size", item).splitlines()[1].split()[0])
         if source.stem.startswith("model_"):
-            model += text
+            model += size
         else:
-            code += text
+            code += size
     return code, model
 
 
-def stage_costs(core: Core, folder: Path) -> dict[str, tuple[int, int]]:
-    """Instructions and bytes of stack of each stage: mean, and deepest."""
-    program = folder / "target.elf"
-    memory = {
-        "__flash": core.flash,
-        "__flash_size": 0x400000,
-        "__ram": core.ram,
-        "__ram_size": 0x400000,
-        "__stack_size": 8192,
-    }
-    run(
-        [
-            *compiler(core),
-            *LINK,
-            f"-DTICK_MHZ={core.mhz}",
-            *(f"-Wl,--defsym={name}={value:#x}" for name, value in memory.items()),
-            str(ROOT / "tests" / "bench" / "target.c"),
-            *map(str, SOURCES),
-            "-lm",
-            "-o",
-            str(program),
-        ]
-    )
-    output = run(
-        ["qemu-system-arm", "-M", core.board, "-icount", "shift=7", "-kernel", str(program)]
-        + "-display none -monitor none -serial none -chardev stdio,id=s0".split()
-        + ["-semihosting-config", "enable=on,target=native,chardev=s0"],
-        stdin=subprocess.DEVNULL,
-    )
-    lines = [line.split() for line in output.splitlines()]
+def stage_costs(core: Target, folder: Path) -> dict[str, tuple[int, int]]:
+    """Instructions (mean) and bytes of stack (deepest) of each stage."""
+    image = build(ROOT / "tests" / "bench" / "target.c", core, LEVEL, folder, stack=8192)
+    lines = [line.split() for line in emulate(image, core, "-icount", "shift=7").splitlines()]
     return {name: (int(count), int(stack)) for name, count, stack in lines}
 
 
-def work_bytes(core: Core, folder: Path) -> int:
+def work_bytes(core: Target, folder: Path) -> int:
     """sizeof(edml_work), read off an object file."""
     source = folder / "work.c"
     source.write_text('#include "edmlift.h"\nconst char work[sizeof(edml_work)] = {1};\n')
-    target = folder / "work.o"
-    run([*compiler(core), "-c", str(source), "-o", str(target)])
-    listing = run(["arm-none-eabi-nm", "--print-size", "--radix=d", str(target)])
+    item = folder / "work.o"
+    run(*compiler(core, LEVEL), "-c", source, "-o", item)
+    listing = run(f"{CROSS}nm", "--print-size", "--radix=d", item)
     return int(re.search(r"\d+ (\d+) R work", listing)[1])
 
 
-def measure(core: Core) -> list[str | int]:
+def measure(core: Target) -> list[str | int]:
     """A row of the table."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -149,9 +74,9 @@ UNITS = "|bytes|bytes|bytes|bytes".split("|") + ["instr."] * 6
 def table(rows: list[list[str | int]]) -> str:
     lines = ["| " + " | ".join(HEADER) + " |", "|---" + "|--:" * (len(HEADER) - 1) + "|"]
     lines.append("| " + " | ".join(UNITS) + " |")
-    lines += [
-        "| " + " | ".join(f"{c:,}" if isinstance(c, int) else c for c in r) + " |" for r in rows
-    ]
+    for row in rows:
+        cells = [f"{cell:,}" if isinstance(cell, int) else cell for cell in row]
+        lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
@@ -179,8 +104,12 @@ def parse(text: str) -> list[list[str | int]]:
     return [[row[0], *(int(cell.replace(",", "")) for cell in row[1:])] for row in rows]
 
 
+class Disagreement(Exception):
+    """Figures that are not what was measured."""
+
+
 def compare(written: list[list[str | int]], measured: list[list[str | int]]) -> None:
-    """Raises ReportError where a figure is not what was measured."""
+    """Raises Disagreement where a figure is not what was measured."""
     wrong = [] if len(written) == len(measured) else ["number of cores"]
     for old, new in zip(written, measured, strict=False):
         for n, (a, b) in enumerate(zip(old, new, strict=True)):
@@ -188,7 +117,7 @@ def compare(written: list[list[str | int]], measured: list[list[str | int]]) -> 
             if a != b and (exact or abs(a - b) > SLACK * b):
                 wrong.append(f"{new[0]}, {HEADER[n]}: written {a}, measured {b}")
     if wrong:
-        raise ReportError("\n".join(wrong))
+        raise Disagreement("\n".join(wrong))
 
 
 def main() -> int:
@@ -206,7 +135,7 @@ def main() -> int:
         if args.update:
             marks.write(args.update, "size_report", table(rows))
             marks.write(args.update, "summary", summary(rows))
-    except (ReportError, OSError, ValueError) as error:
+    except (Disagreement, ToolError, OSError, ValueError) as error:
         print(f"size_report: {error}", file=sys.stderr)
         return 1
     return 0

@@ -290,6 +290,13 @@ def train(run: Run, held: Motion, state: Path, every: int = 10) -> dict[str, flo
     return result
 
 
+def aspect(keypoints: np.ndarray) -> np.ndarray:
+    """Width over height of the seen joints' box: [F,14,3] -> [F]."""
+    points = np.where(keypoints[..., 2:] > 0, keypoints[..., :2], np.nan)
+    width, height = np.moveaxis(np.nanmax(points, 1) - np.nanmin(points, 1), -1, 0)
+    return width / height
+
+
 def settings(run: Run) -> dict:
     """What the library needs beside the layers, measured on a few epochs of training views."""
     widest, points, truths = 0.0, [], []
@@ -298,7 +305,7 @@ def settings(run: Run) -> dict:
             run.motion.joints, run.recipe, np.random.default_rng([run.seed, 1 << 31, epoch])
         )
         edm = network.edm_2d(jnp.asarray(keypoints))
-        widest = max(widest, float(edm.max()))
+        widest = max(widest, aspect(keypoints).max())
         points.append(np.asarray(network.classical_mds(network.fconn(run.params, edm))))
         truths.append(truth)
     weights = fit_mirror(np.concatenate(points).astype(float), np.concatenate(truths).astype(float))

@@ -458,7 +458,8 @@ def test_checksum(header: Path) -> None:
     value = 2166136261
     for array in parsed_arrays(text).values():  # in the header's order: weight0, bias0, ...
         for (word,) in struct.iter_unpack("<I", array.tobytes()):
-            value = ((value ^ word) * 16777619) % 2**32
+            for byte in word.to_bytes(4, "little"):
+                value = ((value ^ byte) * 16777619) % 2**32
     assert f"    0x{value:08x}u, /* checksum */" in text
 
 
@@ -577,7 +578,7 @@ static uint32_t fnv1a(uint32_t h, const float *value, int count)
     for (int i = 0; i < count; i++) {
         uint32_t word;
         memcpy(&word, value + i, sizeof word);
-        h = (h ^ word) * 16777619u;
+        for (int shift = 0; shift < 32; shift += 8) h = (h ^ (word >> shift & 255)) * 16777619u;
     }
     return h;
 }

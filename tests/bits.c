@@ -1,0 +1,105 @@
+/* Prints a checksum of all that the library computes on hard input: every compiler, level of
+ * optimisation and processor must print the same (tests/python/test_bits.py).
+ *
+ * The input comes from whole numbers and single float operations, so that it is the same as well.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "edmlift.h"
+
+enum { POSES = 200, MATRICES = 12, SHAPES = 12, STEPS = 6 };
+
+static edml_work work;
+static uint64_t hash = 14695981039346656037U; /* FNV-1a */
+static uint32_t state = 1;
+
+static void add_bytes(const void *data, size_t size)
+{
+    const uint8_t *byte = data;
+    for (size_t n = 0; n < size; n++) hash = (hash ^ byte[n]) * 1099511628211U;
+}
+
+/* A whole number from 0 to below `range`. */
+static int draw(int range)
+{
+    state = state * 1664525U + 1013904223U;
+    return (int)((state >> 16) % (uint32_t)range);
+}
+
+/* From -1 to 1 in steps of 2^-10. */
+static float draw_float(void) { return (float)(draw(2049) - 1024) / 1024.0F; }
+
+/* A person whose every joint is off by up to a quarter of a metre; each fifth misses joints, a few
+ * are upside down, equal, not finite or on a line. */
+static void hard_pose(edml_keypoint in[EDML_JOINTS], int n)
+{
+    static const int8_t x[] = {0, 0, -18, -25, -22, 18, 27, 24, -13, -15, -16, 13, 15, 17};
+    static const int8_t y[] = {-80, -56, -50, -23, -8, -50, -24, -12, 0, 42, 84, 0, 43, 85};
+    const float size = (float)(1 + draw(500)) / 64.0F;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        in[j].x = 1000.0F + size * ((float)x[j] + 25.0F * draw_float());
+        in[j].y = size * ((float)(n % 7 == 0 ? -y[j] : y[j]) + 25.0F * draw_float());
+        in[j].c = n % 5 == 0 && draw(5) == 0 ? 0.0F : 1.0F;
+        if (n % 50 == 49) in[j].y = in[0].y;
+        if (n % 50 == 48) in[j].x = in[j].y;
+    }
+    if (n % 50 == 47) in[draw(EDML_JOINTS)].x /= 0.0F * in[0].c; /* infinity */
+}
+
+static int lift_poses(void)
+{
+    int lifted = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint in[EDML_JOINTS];
+        edml_pose pose;
+        memset(&pose, 0, sizeof pose);
+        hard_pose(in, n);
+        const int8_t status = (int8_t)edml_lift(&pose, in, &edml_fconn_f32, &work);
+        add_bytes(&status, sizeof status);
+        add_bytes(&pose, sizeof pose);
+        lifted += status == EDML_OK;
+    }
+    return lifted;
+}
+
+/* Entries of both signs, of one size. */
+static void decompose_matrices(void)
+{
+    static edml_matrix_f32 a;
+    static edml_eigen_f32 e;
+    for (int n = 0; n < MATRICES; n++) {
+        for (int i = 0; i < EDML_JOINTS; i++)
+            for (int j = i; j < EDML_JOINTS; j++) a.at[i][j] = draw_float();
+        edml_jacobi_f32(&e, &a);
+        add_bytes(e.value, sizeof e.value);
+        add_bytes(e.vector, sizeof e.vector);
+    }
+}
+
+/* Distances that no points have, from 0 to 2 m. */
+static void refine_shapes(void)
+{
+    for (int n = 0; n < SHAPES; n++) {
+        edml_point x[EDML_JOINTS];
+        float distance[EDML_PAIRS];
+        for (int k = 0; k < EDML_PAIRS; k++) distance[k] = 1.0F + draw_float();
+        edml_mds_f32(x, distance, &work);
+        add_bytes(x, sizeof x);
+        const edml_objective objective = (edml_objective)(EDML_STRESS_SQUARE + n % 3);
+        edml_refine_f32(x, distance, objective, STEPS, &work);
+        add_bytes(x, sizeof x);
+    }
+}
+
+int main(void)
+{
+    decompose_matrices();
+    refine_shapes();
+    const int lifted = lift_poses();
+    printf("%08lx%08lx %d of %d lifted\n", (unsigned long)(hash >> 32),
+           (unsigned long)(hash & 0xFFFFFFFFU), lifted, POSES);
+    return 0;
+}

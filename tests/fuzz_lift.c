@@ -1,0 +1,110 @@
+/* Any bytes into edml_lift: a status that exists, and with it either a sound pose or none.
+ *
+ * With libFuzzer (fuzz.sh) or, with its own main, on pseudo-random inputs: fuzz [COUNT].
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "edmlift.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+enum { JOINT_BYTES = sizeof(edml_keypoint), INPUT_BYTES = 1 + EDML_JOINTS * JOINT_BYTES };
+
+static void require(int holds, const char *what)
+{
+    if (holds) return;
+    fprintf(stderr, "fuzz_lift: %s\n", what);
+    abort();
+}
+
+/* The first byte says how to read the others: as floats, whatever they be, or as 16-bit tenths of
+ * pixels, which are people far more often. */
+static void read_keypoints(edml_keypoint in[EDML_JOINTS], const uint8_t *data)
+{
+    memcpy(in, data + 1, INPUT_BYTES - 1);
+    if (data[0] % 4 == 0) return;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const uint8_t *bytes = data + 1 + j * JOINT_BYTES;
+        in[j].x = (float)(bytes[0] | bytes[1] << 8) / 10;
+        in[j].y = (float)(bytes[2] | bytes[3] << 8) / 10;
+        in[j].c = bytes[4] < 16 ? 0 : bytes[4];
+    }
+}
+
+static void check_pose(const edml_pose *pose)
+{
+    const float *number = &pose->joint[0].x;
+    for (int n = 0; n < 3 * EDML_JOINTS; n++) require(isfinite(number[n]), "a joint is not finite");
+    require(pose->mirror_margin >= 0 && isfinite(pose->mirror_margin), "a bad margin");
+    require(pose->residual >= 0 && isfinite(pose->residual), "a bad residual");
+    require(pose->seen < 1 << EDML_JOINTS, "a joint that does not exist was seen");
+    for (int n = 0; n < EDML_BONES; n++) {
+        const edml_point a = pose->joint[edml_bones[n].from], b = pose->joint[edml_bones[n].to];
+        const float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+        require(sqrtf(x * x + y * y + z * z) <= 4, "a bone is longer than 4 m");
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (size < INPUT_BYTES) return 0;
+    edml_keypoint in[EDML_JOINTS];
+    edml_pose pose, untouched;
+    edml_work work;
+    memset(&pose, 0xA5, sizeof pose);
+    memcpy(&untouched, &pose, sizeof pose);
+    memset(&work, data[0], sizeof work);
+    read_keypoints(in, data);
+
+    const edml_status status = edml_lift(&pose, in, &edml_fconn_f32, &work);
+    require(edml_status_name(status)[0] != '?', "an unknown status");
+    require(status != EDML_ERR_ARGUMENT && status != EDML_ERR_MODEL, "a status without a cause");
+    if (status == EDML_OK)
+        check_pose(&pose);
+    else
+        require(memcmp(&pose, &untouched, sizeof pose) == 0, "refused, but the pose was written");
+    return 0;
+}
+
+#ifndef EDML_LIBFUZZER
+/* A person somewhere in the image, of which every coordinate is off by up to `spread` tenths. */
+static void near_a_person(uint8_t data[INPUT_BYTES], uint32_t bits[], int n)
+{
+    static const int x[] = {0, 0, -36, -50, -44, 36, 54, 48, -26, -30, -32, 26, 30, 34};
+    static const int y[] = {-160, -112, -100, -46, -16, -100, -48, -24, 0, 84, 168, 0, 86, 170};
+    const int spread = 1 << n % 14;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const int at_x = 20000 + 20 * x[j] + (int)(bits[2 * j] >> 16) % spread;
+        const int at_y = 20000 + 20 * y[j] + (int)(bits[2 * j + 1] >> 16) % spread;
+        uint8_t *bytes = data + 1 + j * JOINT_BYTES;
+        bytes[0] = (uint8_t)at_x;
+        bytes[1] = (uint8_t)(at_x >> 8);
+        bytes[2] = (uint8_t)at_y;
+        bytes[3] = (uint8_t)(at_y >> 8);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    const int count = argc > 1 ? atoi(argv[1]) : 20000;
+    uint32_t state = 1;
+    for (int n = 0; n < count; n++) {
+        uint8_t data[INPUT_BYTES];
+        uint32_t bits[INPUT_BYTES];
+        for (int k = 0; k < INPUT_BYTES; k++) {
+            state = state * 1664525U + 1013904223U;
+            bits[k] = state;
+            data[k] = (uint8_t)(state >> 24);
+        }
+        if (n % 2) near_a_person(data, bits, n);
+        LLVMFuzzerTestOneInput(data, sizeof data);
+    }
+    printf("%d inputs\n", count);
+    return 0;
+}
+#endif

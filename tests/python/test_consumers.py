@@ -1,0 +1,134 @@
+"""The library in somebody else's project: every documented way to use it, as C and as C++."""
+
+import os
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from builds import need
+
+from firmware import ROOT, SOURCES, ToolError, library_flags, run
+
+CONSUMER = ROOT / "tests" / "install"
+SAID = "ok left_ankle\n"
+PAIRS = {"gcc": "g++", "clang": "clang++"}
+
+
+def configure(source: Path, build: Path, *settings: str) -> None:
+    need("cmake")
+    run("cmake", "-S", source, "-B", build, "-DCMAKE_BUILD_TYPE=Release", *settings)
+
+
+@pytest.fixture(scope="module", params=["static", "shared"])
+def installed(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Prefix under which the library is installed."""
+    folder = tmp_path_factory.mktemp(request.param)
+    shared = "ON" if request.param == "shared" else "OFF"
+    configure(ROOT, folder / "build", f"-DBUILD_SHARED_LIBS={shared}", "-DEDMLIFT_EXAMPLES=OFF",
+              "-DCMAKE_INSTALL_LIBDIR=lib")  # fmt: skip
+    run("cmake", "--build", folder / "build")
+    run("cmake", "--install", folder / "build", "--prefix", folder / "prefix")
+    return folder / "prefix"
+
+
+def build_and_run(build: Path, *settings: str) -> None:
+    configure(CONSUMER, build, *settings)
+    run("cmake", "--build", build)
+    assert run(build / "consumer_c") == run(build / "consumer_cpp") == SAID
+
+
+@pytest.mark.parametrize("compiler", PAIRS)
+def test_find_package(compiler: str, installed: Path, tmp_path: Path) -> None:
+    need(compiler, PAIRS[compiler])
+    build_and_run(
+        tmp_path, "-DWAY=package", f"-DCMAKE_PREFIX_PATH={installed}",
+        f"-DCMAKE_C_COMPILER={compiler}", f"-DCMAKE_CXX_COMPILER={PAIRS[compiler]}",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("version", ["99.0", "1.999", "0.1"])
+def test_find_package_refuses_other_versions(version: str, installed: Path, tmp_path: Path) -> None:
+    """Newer than it is, or of another major version."""
+    with pytest.raises(ToolError, match="compatible with requested version"):
+        configure(CONSUMER, tmp_path, "-DWAY=package", f"-DVERSION_WANTED={version}",
+                  f"-DCMAKE_PREFIX_PATH={installed}")  # fmt: skip
+
+
+@pytest.mark.parametrize("compiler", [*PAIRS.keys(), *PAIRS.values()])
+def test_pkg_config(compiler: str, installed: Path, tmp_path: Path) -> None:
+    need("pkg-config", compiler)
+    paths = os.environ | {
+        "PKG_CONFIG_PATH": str(installed / "lib" / "pkgconfig"),
+        "LD_LIBRARY_PATH": str(installed / "lib"),
+    }
+    flags = run("pkg-config", "--cflags", "--libs", "edmlift >= 1.0", env=paths).split()
+    language = "c++" if compiler.endswith("++") else "c"
+    run(compiler, "-x", language, CONSUMER / "consumer.c", "-x", "none", *flags,
+        "-o", tmp_path / "consumer")  # fmt: skip
+    assert run(tmp_path / "consumer", env=paths) == SAID
+
+
+def test_pkg_config_refuses_newer_versions(installed: Path) -> None:
+    need("pkg-config")
+    paths = os.environ | {"PKG_CONFIG_PATH": str(installed / "lib" / "pkgconfig")}
+    with pytest.raises(ToolError):
+        run("pkg-config", "--libs", "edmlift >= 99", env=paths)
+
+
+def test_only_the_public_header_is_installed(installed: Path) -> None:
+    assert [file.name for file in (installed / "include").rglob("*")] == ["edmlift.h"]
+
+
+@pytest.mark.parametrize("way", ["subdirectory", "fetch"])
+def test_in_another_cmake_project(way: str, tmp_path: Path) -> None:
+    need("g++")
+    build_and_run(tmp_path, f"-DWAY={way}", f"-DEDMLIFT_SOURCE={ROOT}")
+
+
+def test_vendored_with_a_makefile(tmp_path: Path) -> None:
+    need("make", "cc")
+    for folder in ("include", "lib"):
+        shutil.copytree(ROOT / folder, tmp_path / folder)
+    (tmp_path / "gen").mkdir()
+    for header in (ROOT / "gen").glob("*.h"):
+        shutil.copy(header, tmp_path / "gen")
+    for name in ("consumer.c", "Makefile"):
+        shutil.copy(CONSUMER / name, tmp_path)
+    run("make", "-s", "-C", tmp_path)
+    assert run(tmp_path / "consumer") == SAID
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["gcc -std=c99", "clang -std=c99", "g++ -std=c++11 -x c++", "clang++ -std=c++11 -x c++"],
+)
+def test_the_header_stands_alone_without_a_warning(command: str, tmp_path: Path) -> None:
+    compiler, *options = command.split()
+    need(compiler)
+    program = tmp_path / "header.c"
+    program.write_text('#include "edmlift.h"\n#include "edmlift.h"\n')
+    warnings = "-pedantic -Wall -Wextra -Wconversion -Wshadow -Werror".split()
+    run(compiler, *options, *warnings, f"-I{ROOT / 'include'}", "-fsyntax-only", program)
+
+
+def test_the_program_of_the_readme(tmp_path: Path) -> None:
+    """Its first block of C compiles without a warning, runs, and is examples/lift.c."""
+    readme = ROOT / "README.md"
+    if not readme.exists():
+        pytest.skip("no README.md yet")
+    need("gcc")
+    block = re.search(r"^```c\n(.*?)^```$", readme.read_text("utf-8"), re.M | re.S)
+    assert block, "README.md has no block of C"
+    program = tmp_path / "lift.c"
+    program.write_text(block[1], "utf-8")
+    assert program.read_bytes() == (ROOT / "examples" / "lift.c").read_bytes()
+    objects = []
+    for source in SOURCES:
+        objects.append(tmp_path / f"{source.stem}.o")
+        run("gcc", *library_flags(), "-O1", f"-I{ROOT / 'include'}", f"-I{ROOT / 'lib'}",
+            "-c", source, "-o", objects[-1])  # fmt: skip
+    run("gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'include'}", program,
+        *objects, "-lm", "-o", tmp_path / "lift")  # fmt: skip
+    lines = run(tmp_path / "lift").splitlines()
+    assert len(lines) >= 14 and lines[0].startswith("head_top")

@@ -1,0 +1,38 @@
+"""tests/vectors.h is what make_vectors.py makes of the network in gen/ today."""
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+TESTS = Path(__file__).resolve().parents[1]
+WEIGHTS = TESTS.parent / "gen" / "fconn.npz"
+sys.path.insert(0, str(TESTS))
+
+import make_vectors  # noqa: E402
+
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?!\w)")
+
+
+@pytest.fixture(scope="module")
+def made() -> str:
+    if not WEIGHTS.exists():
+        pytest.skip("gen/fconn.npz is not there yet")
+    return make_vectors.vectors(WEIGHTS)
+
+
+def test_the_vectors_are_up_to_date(made: str) -> None:
+    """Numbers, not bytes: eigenvectors of another LAPACK differ in the last digits."""
+    kept = (TESTS / "vectors.h").read_text("utf-8")
+    assert NUMBER.sub("#", kept) == NUMBER.sub("#", made), "run tests/make_vectors.py"
+    kept_numbers, made_numbers = (
+        np.array([float(text) for text in NUMBER.findall(text)]) for text in (kept, made)
+    )
+    # Next to zero a number is what is left of larger ones: a tenth of a micrometre.
+    np.testing.assert_allclose(made_numbers, kept_numbers, rtol=1e-6, atol=1e-7)
+
+
+def test_making_them_twice_gives_the_same_bytes(made: str) -> None:
+    assert made == make_vectors.vectors(WEIGHTS)

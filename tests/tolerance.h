@@ -1,0 +1,68 @@
+/* How near is near enough, and why.  Metres unless said otherwise; float32 has 24 bits, 6e-8.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_TEST_TOLERANCE_H
+#define EDML_TEST_TOLERANCE_H
+
+/* Any short sum of float32 numbers of about 1: a few dozen units in the last place at most. */
+#define ROUNDING 5e-6F
+
+/* ---- EDM, in half heights ---- */
+#define EDM_TOLERANCE 5e-7F /* values to 6.5; a division, a sum of squares and a root */
+#define EDM_SCALED_TOLERANCE 4e-6F /* coordinates rounded anew: 1000 half-ulps over 165 pixels */
+
+/* ---- Jacobi; relative to the Frobenius norm of the matrix ---- */
+#define ORTHONORMAL_TOLERANCE 4e-6F /* up to 500 rotations, each with rounding of 1e-7, at random */
+#define EIGENPAIR_TOLERANCE 4e-6F   /* the same, and 91 entries of 6e-8 left off the diagonal */
+#define TRACE_TOLERANCE 4e-6F
+
+/* ---- MDS ---- */
+#define MDS_TOLERANCE 5e-5F      /* 0.05 mm: the header's promise */
+#define MDS_FLAT_TOLERANCE 2e-3F /* root of a rounding error: sqrt(4e-6 m^2) */
+#define MDS_CENTROID_TOLERANCE 1e-5F
+#define MDS_AXES_TOLERANCE 1e-4F /* m^2; TIGHT is 2^-20 of some m^2, and the rotations' rounding */
+/* Of 160,000 people 18 went beyond this, up to 2 mm: where the third and the fourth eigenvalue are
+ * nearly equal, any error chooses between their axes.  The test's people are none of them. */
+#define EARLY_STOP_TOLERANCE 5e-5F
+
+/* ---- Refinement ---- */
+#define STRESS_TOLERANCE 1e-5F /* relative; differences of squares cancel */
+#define REFINE_STAY_TOLERANCE 1e-5F
+#define REFINE_SQUARE_TOLERANCE 5e-5F
+#define REFINE_RAW_TOLERANCE 5e-5F
+#define REFINE_EQ2_TOLERANCE 3e-3F
+#define REFINE_TURNED_TOLERANCE 1e-4F
+
+/* ---- Mirror, log-odds ---- */
+#define MARGIN_TOLERANCE 2e-5F
+
+/* ---- Orientation ---- */
+/* Exact points and an exact image still leave a tilt: the ridge of orient.inc, 1 % of the spread,
+ * turns a thin body too little, and a body as thin as that by half its tilt.  Worst joint of people
+ * with 1, 2, 4 and 8 % of their spread (or up to twice that) along their thinnest axis; measured
+ * 0.285, 0.139, 0.093 and 0.044. */
+#define ORIENT_PERSON_TOLERANCES {0.35F, 0.2F, 0.13F, 0.07F}
+#define ORIENT_UNSEEN_TOLERANCE 0.2F /* 4 %, two joints not seen */
+#define ORIENT_CLOUD_TOLERANCE 0.05F /* 16 %; measured 0.031 */
+#define ORIENT_EVEN_TOLERANCE 5e-6F  /* the same spread on all axes: no bias is left */
+#define ORIENT_FRAME_TOLERANCE 5e-5F /* rounding, enlarged by the division by a thin spread */
+
+/* ---- Lift ---- */
+#define LIFT_TOLERANCE 0.13F /* the tilt above: the person of helpers.c has 2 % in depth */
+#define LIFT_SCALED_TOLERANCE 1e-3F /* input rounded anew: a smooth network makes little of it */
+
+/* ---- Against NumPy in double, printed with seven digits ---- */
+#define VECTOR_EDM_TOLERANCE 1e-6F   /* values to 6.5; measured 6e-7 */
+#define VECTOR_NET_TOLERANCE 1e-5F   /* sums of 128 terms of about 1; measured 1e-6 */
+#define VECTOR_EIGEN_TOLERANCE 2e-6F /* relative to the largest; measured 4e-7 */
+#define VECTOR_MDS_TOLERANCE MDS_TOLERANCE
+/* Ten steps downhill enlarge rounding, the more the less smooth the objective; measured 5e-6, 1e-6
+ * and 3e-5. */
+#define VECTOR_SQUARE_TOLERANCE 5e-5F
+#define VECTOR_RAW_TOLERANCE 2e-5F
+#define VECTOR_EQ2_TOLERANCE 1e-3F
+#define VECTOR_POSE_TOLERANCE 1e-4F /* all of the above, and the division by a thin spread */
+#define VECTOR_MARGIN_TOLERANCE 2e-3F /* weights of up to 6, cosines across short bones */
+
+#endif
