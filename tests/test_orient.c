@@ -97,7 +97,7 @@ static void clouds_of_points_come_back_as_photographed(void)
     TEST_ASSERT_ERROR_UP_TO(ORIENT_CLOUD_TOLERANCE, worst);
 }
 
-/* Corners of a cube and more on its axes: the ridge adds the same to each axis, and has no effect. */
+/* Corners of a cube and more on its axes: ridges add the same to each axis, and have no effect. */
 static void points_spread_evenly_come_back_to_rounding(void)
 {
     rng r = rng_seed(52);

@@ -38,18 +38,17 @@
 #define MARGIN_TOLERANCE 2e-5F
 
 /* ---- Orientation ---- */
-/* Exact points and an exact image still leave a tilt: the ridge of orient.inc, 1 % of the spread,
- * turns a thin body too little, and a body as thin as that by half its tilt.  Worst joint of people
- * with 1, 2, 4 and 8 % of their spread (or up to twice that) along their thinnest axis; measured
- * 0.285, 0.139, 0.093 and 0.044. */
-#define ORIENT_PERSON_TOLERANCES {0.35F, 0.2F, 0.13F, 0.07F}
-#define ORIENT_UNSEEN_TOLERANCE 0.2F /* 4 %, two joints not seen */
-#define ORIENT_CLOUD_TOLERANCE 0.05F /* 16 %; measured 0.031 */
+/* Exact points and an exact image still leave a tilt: the ridges of orient.inc turn a thin body too
+ * little, the thinner the more.  Worst joint of people with 1, 2, 4 and 8 % of their spread (or up
+ * to twice that) along their thinnest axis; measured 0.021, 0.0024, 0.0013 and under 0.001. */
+#define ORIENT_PERSON_TOLERANCES {0.03F, 0.004F, 0.002F, 0.001F}
+#define ORIENT_UNSEEN_TOLERANCE 0.012F /* 4 %, two joints not seen; measured 0.0078 */
+#define ORIENT_CLOUD_TOLERANCE 0.0005F /* 16 %; measured 0.0003 */
 #define ORIENT_EVEN_TOLERANCE 5e-6F  /* the same spread on all axes: no bias is left */
 #define ORIENT_FRAME_TOLERANCE 5e-5F /* rounding, enlarged by the division by a thin spread */
 
 /* ---- Lift ---- */
-#define LIFT_TOLERANCE 0.13F /* the tilt above: the person of helpers.c has 2 % in depth */
+#define LIFT_TOLERANCE 0.003F /* the tilt above: the person of helpers.c has 2 % in depth */
 #define LIFT_SCALED_TOLERANCE 1e-3F /* input rounded anew: a smooth network makes little of it */
 
 /* ---- Against NumPy in double, printed with seven digits ---- */

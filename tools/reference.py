@@ -199,19 +199,26 @@ def mirror(points: np.ndarray, weights5: np.ndarray) -> tuple[np.ndarray, float]
     return (points if score >= 0 else points * [1, 1, -1]), abs(score)
 
 
-RIDGE = 0.01
+LIGHT, LEAST = 0.001, 0.0001  # ridges, as a share of the spread
 
 
 def orient(points: np.ndarray, keypoints: np.ndarray) -> np.ndarray:
-    """Scaled-orthographic alignment to the image; root at mid-hip."""
+    """Scaled-orthographic alignment to the image, ridged by its misfit; root at mid-hip."""
     seen = keypoints[:, 2] > 0
     centred = points[seen] - points[seen].mean(0)
-    spread = RIDGE * np.sum(centred**2) * np.eye(3)
     image = keypoints[seen, :2] - keypoints[seen, :2].mean(0)
-    affine = np.linalg.solve(centred.T @ centred + spread, centred.T @ image).T
-    u, _, vt = np.linalg.svd(affine, full_matrices=False)
-    rows = u @ vt
-    points = points @ np.vstack([rows, np.cross(rows[0], rows[1])]).T
+    spread = np.sum(centred**2)
+
+    def rows(ridge: float) -> np.ndarray:
+        squares = centred.T @ centred + ridge * spread * np.eye(3)
+        u, _, vt = np.linalg.svd(np.linalg.solve(squares, centred.T @ image).T, full_matrices=False)
+        return u @ vt
+
+    across = centred @ rows(LIGHT).T
+    scale = np.sum(across * image) / np.sum(across**2)
+    misfit = np.sum((image / scale - across) ** 2) / spread if scale > 0 else 1.0
+    axes = rows(LEAST + min(misfit, 1.0))
+    points = points @ np.vstack([axes, np.cross(axes[0], axes[1])]).T
     return points - mid_hip(points)
 
 
