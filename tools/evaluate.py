@@ -33,14 +33,18 @@ RESAMPLES = 1000  # of the subjects, for the confidence interval
 
 @dataclass(frozen=True)
 class Column:
-    """2D input [F,14,3] and the joints that it shows [F,14]."""
+    """2D input [F,14,3], the joints that it shows [F,14], and the truth in camera axes [F,14,3]."""
 
     keypoints: np.ndarray
     seen: np.ndarray
+    truth: np.ndarray
 
 
-def views(joints: np.ndarray, seed: int = SEED) -> tuple[np.ndarray, dict[str, Column]]:
-    """Truth in camera axes [F,14,3] and the columns of the protocol."""
+STRESS = {"rolled": cameras.ROLLED, "close": cameras.CLOSE}
+
+
+def views(joints: np.ndarray, seed: int = SEED) -> dict[str, Column]:
+    """The columns of the protocol, and two with exact 2D of other cameras: rolled and close."""
     rng = np.random.default_rng(seed)
     truth = cameras.look(joints, rng)
     exact = cameras.project(truth)
@@ -52,8 +56,13 @@ def views(joints: np.ndarray, seed: int = SEED) -> tuple[np.ndarray, dict[str, C
     points["rand2"] = (exact, cameras.hide_random(len(exact), 2, rng))
     for limb in LIMBS:
         points[limb] = (exact, cameras.hide_limb(len(exact), limb))
-    columns = {n: Column(cameras.keypoints(p, seen), seen) for n, (p, seen) in points.items()}
-    return truth, columns
+    columns = {
+        n: Column(cameras.keypoints(p, seen), seen, truth) for n, (p, seen) in points.items()
+    }
+    for name, rig in STRESS.items():
+        other = cameras.look(joints, rng, rig)
+        columns[name] = Column(cameras.keypoints(cameras.project(other)), whole, other)
+    return columns
 
 
 def scaled_errors(points: np.ndarray, truth: np.ndarray) -> np.ndarray:
@@ -74,11 +83,11 @@ def by_subject(values: np.ndarray, subject: np.ndarray) -> np.ndarray:
     return np.array([np.nanmean(values[subject == s]) for s in np.unique(subject)])
 
 
-def measure(library: Library, column: Column, truth: np.ndarray, subject: np.ndarray) -> dict:
+def measure(library: Library, column: Column, subject: np.ndarray) -> dict:
     """All figures of a column, mm unless said otherwise."""
     poses = library.lift(column.keypoints)
     fine = poses.status == "ok"
-    joints, truth, seen = poses.joints[fine].astype(float), truth[fine], column.seen[fine]
+    joints, truth, seen = poses.joints[fine].astype(float), column.truth[fine], column.seen[fine]
     subject = subject[fine]
     error = 1000 * rigid_errors(joints, truth)
     mirrored = 1000 * rigid_errors(joints * [1, 1, -1], truth)
@@ -115,9 +124,8 @@ def bootstrap(means: np.ndarray) -> list[float]:
 
 def evaluate(library: Library, motion: Motion) -> dict:
     """Figures of every column: {column: {figure: value}}."""
-    truth, columns = views(motion.joints)
-    bar = tqdm(columns.items(), desc="evaluate", disable=None)
-    return {name: measure(library, column, truth, motion.subject) for name, column in bar}
+    bar = tqdm(views(motion.joints).items(), desc="evaluate", disable=None)
+    return {name: measure(library, column, motion.subject) for name, column in bar}
 
 
 ROWS = {

@@ -34,8 +34,8 @@ SUBJECT = np.repeat([1, 2, 3], [40, 15, 5])
 
 def figures(joints, truth, seen=None):
     seen = np.ones(truth.shape[:2], bool) if seen is None else seen
-    column = evaluate.Column(np.zeros((*truth.shape[:2], 3)), seen)
-    return evaluate.measure(Pretend(joints), column, truth, SUBJECT)
+    column = evaluate.Column(np.zeros((*truth.shape[:2], 3)), seen, truth)
+    return evaluate.measure(Pretend(joints), column, SUBJECT)
 
 
 def test_a_turned_and_moved_truth_has_no_error(truth):
@@ -94,24 +94,27 @@ def test_refused_poses_are_counted_and_left_out(truth):
             poses.joints[::2] = np.nan
             return poses
 
-    column = evaluate.Column(np.zeros((60, 14, 3)), np.ones((60, 14), bool))
-    result = evaluate.measure(Half(truth), column, truth, SUBJECT)
+    column = evaluate.Column(np.zeros((60, 14, 3)), np.ones((60, 14), bool), truth)
+    result = evaluate.measure(Half(truth), column, SUBJECT)
     assert result["refused"] == 30 and result["error"] == pytest.approx(0, abs=1e-6)
 
 
 def test_views_are_the_protocols_columns():
     joints = np.random.default_rng(2).normal(0, 0.3, (200, 14, 3)) + [0, 1, 0]
-    truth, columns = evaluate.views(joints)
+    columns = evaluate.views(joints)
     limbs = ["right_arm", "left_arm", "right_leg", "left_leg"]
-    assert list(columns) == ["gt", "n5", "n10", "n15", "n20", "cpm", "rand2", *limbs]
+    noisy = ["n5", "n10", "n15", "n20", "cpm"]
+    assert list(columns) == ["gt", *noisy, "rand2", *limbs, "rolled", "close"]
     exact = columns["gt"].keypoints[..., :2]
     for name, sigma in evaluate.NOISE.items():
         off = columns[name].keypoints[..., :2] - exact
         assert off.std() == pytest.approx(sigma, rel=0.05)
     assert (columns["rand2"].seen.sum(1) == 12).all()
-    again = evaluate.views(joints)[1]
+    again = evaluate.views(joints)
     assert all(np.array_equal(columns[n].keypoints, again[n].keypoints) for n in columns)
-    assert truth.shape == (200, 14, 3)
+    assert columns["gt"].truth is columns["left_leg"].truth
+    near, far = (np.linalg.norm(mid_hip(columns[n].truth), axis=1) for n in ("close", "gt"))
+    assert near.min() > 1.4 and near.max() < 3.01 < far.max()
 
 
 def test_tables_have_a_row_a_figure(truth):
