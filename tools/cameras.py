@@ -60,12 +60,23 @@ def look(joints: np.ndarray, rng: np.random.Generator, rig: Rig = PROTOCOL) -> n
     camera = pelvis + np.stack([ground * np.cos(yaw), rise, ground * np.sin(yaw)], 1)
     aim = pelvis + rng.normal(0, rig.aim_sigma, (count, 3))
 
+    return look_from(joints, camera, aim, roll)
+
+
+def look_from(
+    joints: np.ndarray, camera: np.ndarray, aim: np.ndarray, roll: float | np.ndarray = 0.0
+) -> np.ndarray:
+    """Joints in the axes of given cameras: one for all poses, or one each.
+
+    joints [F,14,3] world, metres; camera and aim [3] or [F,3], the points where the camera stands
+    and at which it looks; roll in radians, clockwise -> [F,14,3] camera axes, camera at the origin.
+    """
     forward = _unit(aim - camera)
     right = _unit(np.cross(forward, [0.0, 1.0, 0.0]))
     down = np.cross(forward, right)
-    c, s = np.cos(roll)[:, None], np.sin(roll)[:, None]
-    axes = np.stack([c * right + s * down, c * down - s * right, forward], 1)
-    return np.einsum("fij,fkj->fki", axes, joints - camera[:, None])
+    c, s = np.cos(roll)[..., None], np.sin(roll)[..., None]
+    axes = np.stack([c * right + s * down, c * down - s * right, forward], -2)
+    return np.einsum("...ij,...kj->...ki", axes, joints - camera[..., None, :])
 
 
 def _unit(v: np.ndarray) -> np.ndarray:

@@ -144,25 +144,13 @@ def _rotations(frames: np.ndarray) -> dict[str, Rotation]:
     return turns
 
 
-def look_from(joints: np.ndarray, position: np.ndarray, aim: np.ndarray) -> np.ndarray:
-    """Joints in the axes of one camera that stands at `position` and looks at `aim`, both [3].
-
-    joints [F,14,3] world, metres -> [F,14,3] camera axes, metres, camera at the origin.
-    """
-    forward = (aim - position) / np.linalg.norm(aim - position)
-    right = np.cross(forward, [0.0, 1.0, 0.0])
-    right /= np.linalg.norm(right)
-    down = np.cross(forward, right)
-    return (joints - position) @ np.stack([right, down, forward], 1)
-
-
 def view(joints: np.ndarray, yaw: float) -> np.ndarray:
     """One clip in the axes of its camera, which aims at the clip's mean mid-hip."""
     aim = mid_hip(joints).mean(0)
     angle = np.radians(yaw)
     aside = CAMERA_DISTANCE * np.array([np.cos(angle), 0.0, np.sin(angle)])
     position = np.array([aim[0], CAMERA_HEIGHT, aim[2]]) + aside
-    return look_from(joints, position, aim)
+    return cameras.look_from(joints, position, aim)
 
 
 def write_clip(folder: Path, name: str, joints: np.ndarray) -> None:

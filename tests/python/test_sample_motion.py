@@ -75,7 +75,7 @@ def test_a_subject_who_faces_the_camera_has_its_right_on_the_left(clip: str):
 def test_look_from_keeps_lengths_and_centres_the_aim():
     joints = np.random.default_rng(1).normal(size=(5, 14, 3))
     position, aim = np.array([3.0, 1.5, 2.0]), joints[0, 0]
-    seen = sample_motion.look_from(joints, position, aim)
+    seen = cameras.look_from(joints, position, aim)
     np.testing.assert_allclose(seen[0, 0], [0, 0, np.linalg.norm(aim - position)], atol=1e-12)
     distance = np.linalg.norm(joints - position, axis=-1)
     np.testing.assert_allclose(np.linalg.norm(seen, axis=-1), distance)
@@ -83,7 +83,7 @@ def test_look_from_keeps_lengths_and_centres_the_aim():
 
 def test_look_from_has_x_right_and_y_down():
     world = np.array([[[1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0]]])
-    seen = sample_motion.look_from(world, np.array([0.0, 0, 5]), np.zeros(3))
+    seen = cameras.look_from(world, np.array([0.0, 0, 5]), np.zeros(3))
     np.testing.assert_allclose(seen, [[[1, 0, 5], [0, -1, 5], [0, 0, 4]]], atol=1e-12)
 
 
