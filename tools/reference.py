@@ -94,6 +94,7 @@ def stress(points: np.ndarray, distance: np.ndarray, objective: str) -> float:
 
 
 FLOOR = 1 / 256  # m^2: smallest divisor of a weight
+LONGEST = 16.0  # step along a line
 
 
 def weights(points: np.ndarray, distance: np.ndarray, objective: str) -> np.ndarray:
@@ -149,7 +150,7 @@ def line_minimum(points, step, w, distance) -> float:
     )
     if quartic.deriv()(0) >= 0:
         return 0.0
-    roots = quartic.deriv().roots
+    roots = [LONGEST, *quartic.deriv().roots]
     return float(min(r.real for r in roots if abs(r.imag) < 1e-9 * abs(r) and r.real > 0))
 
 

@@ -97,21 +97,21 @@ def test_mds(library, predicted):
 
 @pytest.mark.parametrize("objective", ["square", "raw", "eq2"])
 def test_refinement(library, predicted, objective):
-    """Five steps agree in every pose.  Later a pose in hundreds may part ways with the reference,
-    where rounding decides whether a step still goes down: then the objective must be as low."""
-    apart_later = 0
+    """Five steps agree in every pose.  In a flat valley ten amplify rounding a thousandfold: there
+    the points may differ a little in a pose in hundreds, the objective not."""
+    far = 0
     for distance in predicted:
         start = reference.mds(distance)
-        expected = reference.refine(start, distance, objective, 5)
-        refined, _ = library.refine(start, distance, objective, 5)
-        assert apart(refined, expected) < POSITIONS
-        expected = reference.refine(start, distance, objective, 10)
-        refined, _ = library.refine(start, distance, objective, 10)
-        apart_later += apart(refined, expected) >= POSITIONS
+        for steps in (5, 10):
+            expected = reference.refine(start, distance, objective, steps)
+            refined, _ = library.refine(start, distance, objective, steps)
+            off = apart(refined, expected)
+            assert off < (POSITIONS if steps == 5 else 10 * POSITIONS)
+        far += off >= POSITIONS
         reached = reference.stress(refined, distance, objective)
-        assert reached <= 1.02 * reference.stress(expected, distance, objective)
+        assert reached == pytest.approx(reference.stress(expected, distance, objective), rel=1e-4)
         assert reached <= reference.stress(start, distance, objective) * (1 + 1e-6)
-    assert apart_later <= 0.01 * COUNT
+    assert far <= 0.01 * COUNT
 
 
 def test_pose(library, model, keypoints):
