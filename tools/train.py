@@ -25,7 +25,8 @@ from tqdm import tqdm
 
 import cameras
 import network
-from mirror import fit_mirror
+import reference
+from mirror import fit_mirror, rigid_errors
 from mocap import MocapError, Motion, load_motion
 from skeleton import LIMBS, PAIRS
 
@@ -73,6 +74,7 @@ RECIPES = {
     ),
 }
 
+OBJECTIVES = ("none", "square", "raw", "eq2")  # of the refinement: edml_objective
 MAX_MISSING = 4  # most joints hidden in training: the lifter refuses more
 
 
@@ -297,23 +299,46 @@ def aspect(keypoints: np.ndarray) -> np.ndarray:
     return width / height
 
 
+REFINE_STEPS = 10  # tried for each objective
+REFINE_SAMPLE = 300  # poses
+
+
+def refinement_errors(distances: np.ndarray, truths: np.ndarray) -> dict[str, float]:
+    """Error after refining by each objective, the better of pose and reflection, mm.
+
+    distances [F,91] as predicted, truths [F,14,3].
+    """
+    errors = {}
+    for objective in OBJECTIVES:
+        points = [reference.refine(reference.mds(d), d, objective, REFINE_STEPS) for d in distances]
+        both = [rigid_errors(np.array(points) * [1, 1, z], truths).mean(1) for z in (1, -1)]
+        errors[objective] = round(float(1000 * np.minimum(*both).mean()), 2)
+    return errors
+
+
 def settings(run: Run) -> dict:
     """What the library needs beside the layers, measured on a few epochs of training views."""
-    widest, points, truths = 0.0, [], []
+    widest, distances, points, truths = 0.0, [], [], []
     for epoch in range(3):
         keypoints, truth = draw_2d(
             run.motion.joints, run.recipe, np.random.default_rng([run.seed, 1 << 31, epoch])
         )
-        edm = network.edm_2d(jnp.asarray(keypoints))
         widest = max(widest, aspect(keypoints).max())
-        points.append(np.asarray(network.classical_mds(network.fconn(run.params, edm))))
-        truths.append(truth)
-    weights = fit_mirror(np.concatenate(points).astype(float), np.concatenate(truths).astype(float))
+        distance = network.fconn(run.params, network.edm_2d(jnp.asarray(keypoints)))
+        distances.append(np.asarray(distance, float))
+        points.append(np.asarray(network.classical_mds(distance), float))
+        truths.append(truth.astype(float))
+    truth = np.concatenate(truths)
+    weights = fit_mirror(np.concatenate(points), truth)
+    some = np.linspace(0, len(truth) - 1, REFINE_SAMPLE).astype(int)
+    errors = refinement_errors(np.concatenate(distances)[some], truth[some])
+    objective = min(errors, key=errors.get)
     return {
         "fewest_joints": 14 - MAX_MISSING if run.recipe.masks else 14,
         "widest": float(np.ceil(2 * widest) / 2),
-        "objective": "none",
-        "refine_steps": 0,
+        "objective": objective,
+        "refine_steps": 0 if objective == "none" else REFINE_STEPS,
+        "refinement_mm": errors,
         "mirror": [round(float(w), 4) for w in weights],
     }
 

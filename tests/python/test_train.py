@@ -144,6 +144,16 @@ def test_the_mirror_weights_tell_people_from_their_reflections():
     assert (score > 0).mean() > 0.95
 
 
+def test_the_refinement_that_is_chosen_is_the_best():
+    truth = people(12).joints.astype(float)
+    exact = np.array([reference.distances(t) for t in truth])
+    noisy = exact * np.random.default_rng(6).uniform(0.7, 1.3, exact.shape)
+    errors = train.refinement_errors(noisy, truth)
+    assert list(errors) == ["none", "square", "raw", "eq2"]
+    assert errors["raw"] < errors["none"]  # independent errors: raw stress averages them out
+    assert train.refinement_errors(exact, truth)["none"] == pytest.approx(0, abs=0.01)
+
+
 def run_train(*arguments):
     return subprocess.run(
         [sys.executable, TRAIN, *map(str, arguments)], capture_output=True, text=True, check=False
