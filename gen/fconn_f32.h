@@ -9,7 +9,7 @@
  * training    recipe mds, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 1
+#if EDML_WEIGHTS_FORMAT != 2
 #error "regenerate with tools/export_weights.py"
 #endif
 
@@ -5123,12 +5123,13 @@ const edml_model edml_fconn_f32 = {
     "fconn_f32",
     0x947f9d20u, /* checksum */
     edml__fconn_f32,
+    NULL, /* not quantised */
     edml__fconn_hash_f32,
     fconn_f32_layers,
     3, /* layers */
     10, /* fewest joints */
-    0x1.8p1F, /* widest: 3 */
+    {0x1.8p1F, 50331648}, /* widest: 3 */
     EDML_STRESS_NONE,
     0, /* refinement steps */
-    {0x1.aa64c2p-2F, 0x1.ba92a4p-1F, 0x1.9652bep-7F, 0x1.ab6ae8p1F, -0x1.6b5dccp1F}, /* mirror */
+    {{0x1.aa64c2p-2F, 6986033}, {0x1.ba92a4p-1F, 14502226}, {0x1.9652bep-7F, 208037}, {0x1.ab6ae8p1F, 56022480}, {-0x1.6b5dccp1F, -47627161}}, /* mirror */
 };

@@ -83,7 +83,8 @@ typedef struct {
     X(EDML_ERR_TOO_FEW_JOINTS, -3, "too_few_joints") /* fewer seen than the model was trained for */ \
     X(EDML_ERR_DEGENERATE, -4, "degenerate")         /* on a point or line, or of no height */    \
     X(EDML_ERR_UNUSUAL, -5, "unusual")               /* wider for its height than any training pose */ \
-    X(EDML_ERR_MODEL, -6, "model")                   /* the model's data do not match its checksum */
+    X(EDML_ERR_MODEL, -6, "model")                   /* the model's data do not match its checksum, or are floats \
+                                                        where whole numbers are wanted */
 
 #define EDML_STATUS_ENUM(name, value, text) name = value,
 typedef enum { EDML_STATUSES(EDML_STATUS_ENUM) } edml_status;
@@ -94,7 +95,9 @@ const char *edml_status_name(edml_status status); /* "too_few_joints"; "?" when 
 /* A trained network and the settings that were measured with it; constant data in flash. */
 typedef struct edml_model edml_model;
 
-extern const edml_model edml_fconn_f32; /* 91-128-128-91, float32 */
+/* 91-128-128-91: in float32, and quantised, all in whole numbers, with weights of up to 16 and of
+ * 8 bits.  On a processor that multiplies whole numbers faster, or not floats, take these. */
+extern const edml_model edml_fconn_f32, edml_fconn_q15, edml_fconn_q7;
 
 const char *edml_model_name(const edml_model *model);
 /* Compares the model's data with its checksum: EDML_OK or EDML_ERR_MODEL. */
@@ -105,10 +108,39 @@ typedef struct edml_work edml_work;
 
 /* Lifts one person.
  *   in     14 keypoints.  Coordinates may be of any size and offset; only the shape counts.
- *   model  &edml_fconn_f32
+ *   model  &edml_fconn_f32, or a quantised one
  * Time does not depend on the input beyond the number of Jacobi rotations, which is bounded. */
 edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
                       const edml_model *model, edml_work *work);
+
+/* ---- Lift in fixed point ------------------------------------------------------------------ */
+
+/* The same without one float instruction, the same bits on every processor: for cores without an
+ * FPU.  A Q16 number is an int32_t with 16 fraction bits, 65536 is 1; a Q24 one has 24. */
+typedef struct {
+    int32_t x, y; /* pixels, Q16, y down; -2^30 < x, y < 2^30 (16384 pixels) */
+    int16_t c;    /* confidence, Q15; a joint with c <= 0 was not seen */
+} edml_keypoint_q16;
+
+typedef struct {
+    int32_t x, y, z; /* metres, Q16 */
+} edml_point_q16;
+
+typedef struct {
+    edml_point_q16 joint[EDML_JOINTS]; /* as in edml_pose */
+    int32_t mirror_margin;             /* Q16, log-odds */
+    int32_t residual;                  /* Q16, metres */
+    uint16_t seen;
+} edml_pose_q16;
+
+typedef struct edml_work_q24 edml_work_q24;
+
+/* edml_lift() on whole numbers.
+ *   in     coordinates at or beyond the ends of their range, which saturation makes of infinity,
+ *          are EDML_ERR_NOT_FINITE; people under 1/8 pixel tall are EDML_ERR_DEGENERATE
+ *   model  &edml_fconn_q15 or &edml_fconn_q7; a float one is EDML_ERR_MODEL */
+edml_status edml_lift_q24(edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS],
+                          const edml_model *model, edml_work_q24 *work);
 
 /* ---- The stages, in the order in which data flow ------------------------------------------ */
 
@@ -187,6 +219,44 @@ float edml_mirror_f32(edml_point x[EDML_JOINTS], const edml_model *model);
 void edml_orient_f32(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS],
                      uint16_t seen);
 
+/* ---- The stages in fixed point ------------------------------------------------------------- */
+
+/* What the stage of the same name above does, in Q24.  Ranges are narrower, and not checked:
+ * distances 0 to 3 m; matrices of a Frobenius norm up to 90, whose eigenpairs come out to 2^-20 or
+ * so, absolutely; `widest` up to 3.75; points of edml_mds_q24(). */
+typedef struct {
+    int32_t x, y, z; /* metres, Q24 */
+} edml_point_q24;
+
+typedef struct {
+    int32_t at[EDML_JOINTS][EDML_JOINTS];
+} edml_matrix_q24;
+
+typedef struct {
+    int32_t sine;
+    uint8_t p, q;
+} edml_rotation_q24;
+
+typedef struct {
+    int32_t value[EDML_JOINTS], vector[EDML_JOINTS][EDML_JOINTS];
+    edml_rotation_q24 turn[640];
+} edml_eigen_q24;
+
+edml_status edml_edm_q24(int32_t edm[EDML_PAIRS], const edml_keypoint_q16 in[EDML_JOINTS],
+                         int fewest, int32_t widest);
+void edml_net_q24(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
+                  const edml_model *model, edml_work_q24 *work); /* a quantised model */
+void edml_jacobi_q24(edml_eigen_q24 *eigen, const edml_matrix_q24 *a);
+void edml_mds_q24(edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_PAIRS],
+                  edml_work_q24 *work);
+int edml_refine_q24(edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_PAIRS],
+                    edml_objective objective, int steps, edml_work_q24 *work);
+int32_t edml_stress_q24(const edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_PAIRS],
+                        edml_objective objective);
+int32_t edml_mirror_q24(edml_point_q24 x[EDML_JOINTS], const edml_model *model);
+void edml_orient_q24(edml_point_q24 x[EDML_JOINTS], const edml_keypoint_q16 in[EDML_JOINTS],
+                     uint16_t seen);
+
 /* ---- Work memory: public so that it can be allocated; its members are not part of the interface */
 
 struct edml_work {
@@ -195,8 +265,22 @@ struct edml_work {
     edml_point x[EDML_JOINTS];
     union { /* stages that do not overlap in time */
         float layer[2][128];
+        struct {
+            int32_t layer[2][128], edm[EDML_PAIRS];
+        } q24;
         edml_rotation_f32 turn[320];
         edml_point step[4][EDML_JOINTS];
+    } use;
+};
+
+struct edml_work_q24 {
+    int32_t distance[EDML_PAIRS];
+    edml_matrix_q24 matrix;
+    edml_point_q24 x[EDML_JOINTS];
+    union {
+        int32_t layer[2][128];
+        edml_rotation_q24 turn[320];
+        edml_point_q24 step[4][EDML_JOINTS];
     } use;
 };
 

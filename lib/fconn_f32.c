@@ -39,13 +39,14 @@ static void dense(float *y, const float *x, const edml_dense_f32 *layer)
     }
 }
 
-void edml__fconn_f32(float *distance, const float *edm, const edml_model *model, edml_work *work)
+void edml__fconn_f32(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
+                     const edml_model *model, float layer[2][EDML_LAYER_WIDEST])
 {
-    const edml_dense_f32 *layer = model->layers;
-    const float *x = edm; /* may be layer[0] of the work memory */
+    const edml_dense_f32 *dense_layer = model->layers;
+    const float *x = edm; /* may be layer[0] */
     for (int n = 0; n < model->layer_count; n++) {
-        float *y = work->use.layer[(n + 1) & 1];
-        dense(y, x, &layer[n]);
+        float *y = layer[(n + 1) & 1];
+        dense(y, x, &dense_layer[n]);
         x = y;
     }
     memcpy(distance, x, EDML_PAIRS * sizeof *distance);

@@ -10,9 +10,3 @@ edml_status edml_model_check(const edml_model *model)
 {
     return model->hash(model) == model->checksum ? EDML_OK : EDML_ERR_MODEL;
 }
-
-void edml_net_f32(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,
-                  edml_work *work)
-{
-    model->predict(distance, edm, model, work);
-}

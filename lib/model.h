@@ -5,47 +5,89 @@
 #ifndef EDML_MODEL_H
 #define EDML_MODEL_H
 
+#include <stddef.h>
+
 #include "edmlift.h"
 
 /* Raised when the meaning of the generated data changes; a header of another format does not
  * compile. */
-#define EDML_WEIGHTS_FORMAT 1
+#define EDML_WEIGHTS_FORMAT 2
 
 enum {
     EDML_LAYER_WIDEST = 128, /* units of a layer that fit edml_work */
-    EDML_ROWS = 8            /* rows of weights that lie side by side */
+    EDML_ROWS = 8,           /* rows of weights that lie side by side */
+    EDML_ACTIVATION = 32767, /* the largest activation of a quantised network */
+    EDML_EDM_SHIFT = 12      /* its input is the EDM in Q24 shifted right by this: Q12, below 8 */
 };
 
-/* y = relu(W x + b).  Rows are grouped by EDML_ROWS; a group holds, input by input, the weights
- * of its rows.  The last group is filled up with zeros. */
+/* A layer of a network.  Rows of weights are grouped by EDML_ROWS; a group holds, input by input,
+ * the weights of its rows.  The last group is filled up with zeros. */
+
+/* y = relu(W x + b) */
 typedef struct {
     uint16_t inputs, outputs;
     const float *weight; /* [groups][inputs][EDML_ROWS] */
     const float *bias;   /* [groups * EDML_ROWS] */
 } edml_dense_f32;
 
+/* In whole numbers: y = ((W x + b) factor + 2^(shift - 1)) >> shift, limited to 0 to `most`, the
+ * product in 64 bits.  0 <= x <= EDML_ACTIVATION; the exporter proves, by the L1 norms of the rows,
+ * that no sum on the way to W x + b leaves 32 bits. */
+typedef struct {
+    uint16_t inputs, outputs;
+    const int16_t *weight; /* [groups][inputs][EDML_ROWS] */
+    const int32_t *bias, *factor; /* [groups * EDML_ROWS]; factor > 0 */
+    uint8_t shift; /* 1 to 62 */
+    int32_t most; /* EDML_ACTIVATION; in the last layer, whose y is in metres, Q24: 3 m */
+} edml_dense_q15;
+
+typedef struct { /* the same with weights of 8 bits */
+    uint16_t inputs, outputs;
+    const int8_t *weight;
+    const int32_t *bias, *factor;
+    uint8_t shift;
+    int32_t most;
+} edml_dense_q7;
+
+/* A setting in the arithmetic of both pipelines. */
+typedef struct {
+    float f32;
+    int32_t q24;
+} edml_number;
+
 struct edml_model {
     const char *name;
-    uint32_t checksum; /* FNV-1a over the bytes of weights and biases, layer by layer */
+    uint32_t checksum; /* FNV-1a over the bytes of each layer's arrays, in the order of its members */
 
-    /* The network: the kernel is named here, so that a program links only what its model needs. */
-    void (*predict)(float *distance, const float *edm, const edml_model *model, edml_work *work);
+    /* The network: its kernel is named here, so that a program links only what its model needs.
+     * Float networks have predict_f32, quantised ones predict_q24; the other is NULL. */
+    void (*predict_f32)(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
+                        const edml_model *model, float layer[2][EDML_LAYER_WIDEST]);
+    void (*predict_q24)(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
+                        const edml_model *model, int32_t layer[2][EDML_LAYER_WIDEST]);
     uint32_t (*hash)(const edml_model *model);
     const void *layers;
     uint8_t layer_count;
 
     /* Limits of what it was trained on. */
     uint8_t fewest_joints;
-    float widest; /* largest ratio of the width to the height of the seen joints */
+    edml_number widest; /* largest ratio of the width to the height of the seen joints */
 
     /* What was measured with it. */
     uint8_t objective; /* edml_objective */
     uint8_t refine_steps;
-    float mirror[5]; /* weights of arms, forearms, head, thighs, shins: see mirror.inc */
+    edml_number mirror[5]; /* weights of arms, forearms, head, thighs, shins: see mirror.inc */
 };
 
-/* FConn in float32, fconn_f32.c. */
-void edml__fconn_f32(float *distance, const float *edm, const edml_model *model, edml_work *work);
+/* FConn: fconn.inc in the arithmetic of fconn_f32.c, fconn_q15.c and fconn_q7.c. */
+void edml__fconn_f32(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
+                     const edml_model *model, float layer[2][EDML_LAYER_WIDEST]);
+void edml__fconn_q15(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
+                     const edml_model *model, int32_t layer[2][EDML_LAYER_WIDEST]);
+void edml__fconn_q7(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
+                    const edml_model *model, int32_t layer[2][EDML_LAYER_WIDEST]);
 uint32_t edml__fconn_hash_f32(const edml_model *model);
+uint32_t edml__fconn_hash_q15(const edml_model *model);
+uint32_t edml__fconn_hash_q7(const edml_model *model);
 
 #endif

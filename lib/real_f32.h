@@ -10,7 +10,6 @@
 #define EDML_REAL_F32_H
 
 #include <math.h>
-#include <stddef.h>
 
 #include "model.h"
 
@@ -26,6 +25,7 @@ typedef edml_rotation_f32 rotation;
 #define edml_lift_f32 edml_lift /* the public name of the float pipeline has no suffix */
 
 #define REAL(constant) constant##F
+#define SETTING(number) (number).f32
 #define MUL(a, b) ((a) * (b))
 #define DIV(a, b) ((a) / (b))
 #define SQRT(a) sqrtf(a)

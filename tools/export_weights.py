@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 # What lib/model.h fixes; the header refuses to compile with another format.
-FORMAT = 1
+FORMAT = 2
 PAIRS = 91  # EDML_PAIRS
 ROWS = 8  # EDML_ROWS
 WIDEST = 128  # EDML_LAYER_WIDEST
@@ -598,23 +598,29 @@ def table_text(packed: Sequence[Packed], model: str) -> str:
 def model_text(settings: Settings, model: str, checksum: int, count: int) -> str:
     """The model itself.  By position, for C++ has no designated initialisers before 2020; and
     declared first, for C++ would keep a constant to its file."""
-    mirror = ", ".join(hex_float(float(np.float32(value))) for value in settings.mirror)
+    mirror = ", ".join(map(number_text, settings.mirror))
     return f"""\
 extern const edml_model edml_{model};
 const edml_model edml_{model} = {{
     "{model}",
     0x{checksum:08x}u, /* checksum */
     edml__fconn_f32,
+    NULL, /* not quantised */
     edml__fconn_hash_f32,
     {model}_layers,
     {count}, /* layers */
     {settings.fewest_joints}, /* fewest joints */
-    {hex_float(float(np.float32(settings.widest)))}, /* widest: {settings.widest:g} */
+    {number_text(settings.widest)}, /* widest: {settings.widest:g} */
     EDML_STRESS_{settings.objective.upper()},
     {settings.refine_steps}, /* refinement steps */
     {{{mirror}}}, /* mirror */
 }};
 """
+
+
+def number_text(value: float) -> str:
+    """An edml_number: in float32 and in Q24, in whose range the value must be."""
+    return f"{{{hex_float(float(np.float32(value)))}, {round(value * (1 << 24))}}}"
 
 
 def replace_file(path: Path, text: str) -> None:
