@@ -118,7 +118,7 @@ edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
 /* The same without one float instruction, the same bits on every processor: for cores without an
  * FPU.  A Q16 number is an int32_t with 16 fraction bits, 65536 is 1; a Q24 one has 24. */
 typedef struct {
-    int32_t x, y; /* pixels, Q16, y down; -2^30 < x, y < 2^30 (16384 pixels) */
+    int32_t x, y; /* pixels, Q16, y down; -2^29 < x, y < 2^29 (8192 pixels) */
     int16_t c;    /* confidence, Q15; a joint with c <= 0 was not seen */
 } edml_keypoint_q16;
 

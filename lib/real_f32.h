@@ -1,8 +1,18 @@
-/* The vocabulary of the shared stages (*.inc), spoken in float32.
+/* The vocabulary of the shared stages (*.inc), spoken in float32; real_q24.h speaks it in whole
+ * numbers.
  *
- * A stage says MUL, DIV, SQRT and HYPOT where fixed point must shift, REAL where it must scale a
- * constant, and `wide` where a sum of products needs more bits.  The ranges in the stages'
- * comments are what fixed point relies on.
+ *   real, wide    a number; one that holds sums beyond the range of a real
+ *   REAL(c)       a constant, SETTING(n) an edml_number of the model
+ *   MUL DIV SQRT  of reals; DIV and SQRT take wides, too; DIV is a ratio of any two like numbers
+ *   HYPOT NORM    length of a vector of two and of three
+ *   ABS NARROW    absolute value; a wide that is known to fit as a real
+ *   EPSILON       what rounding may leave of a zero, absolutely; a float's rounding is relative
+ *   FINITE        is a coordinate a number and in range?
+ *   EXACT_TO      coordinates are rounded like ones of this magnitude, or more coarsely
+ *   RESULT        a real as the pose holds it
+ *   RUNS          can this arithmetic run that model?
+ *
+ * The ranges in the stages' comments are what fixed point relies on.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -14,7 +24,8 @@
 #include "model.h"
 
 typedef float real;
-typedef float wide; /* sums of products */
+typedef float wide;
+typedef float pixels;
 typedef edml_keypoint keypoint;
 typedef edml_point point;
 typedef edml_pose pose;
@@ -26,12 +37,18 @@ typedef edml_rotation_f32 rotation;
 
 #define REAL(constant) constant##F
 #define SETTING(number) (number).f32
+#define EPSILON 0.0F
 #define MUL(a, b) ((a) * (b))
 #define DIV(a, b) ((a) / (b))
 #define SQRT(a) sqrtf(a)
 #define HYPOT(a, b) sqrtf((a) * (a) + (b) * (b))
+#define NORM(a, b, c) sqrtf((a) * (a) + (b) * (b) + (c) * (c))
 #define ABS(a) fabsf(a)
 #define NARROW(sum) (sum)
+#define RESULT(a) (a)
+
 #define FINITE(a) ((a) - (a) == 0.0F) /* false for NaN and infinity */
+#define EXACT_TO 0.0F
+#define RUNS(model) ((model)->predict_f32 != NULL || (model)->predict_q24 != NULL)
 
 #endif

@@ -47,17 +47,18 @@ static void check_same_numbers(void)
 
 /* ---- With a network that knows the answer -------------------------------------------------------- */
 
-static void know(float *distance, const float *edm, const edml_model *model, edml_work *memory)
+static void know(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,
+                 float layer[2][EDML_LAYER_WIDEST])
 {
     (void)edm;
-    (void)memory;
+    (void)layer;
     memcpy(distance, model->layers, EDML_PAIRS * sizeof *distance);
 }
 
 static edml_model all_knowing(const float truth[EDML_PAIRS], edml_objective objective, int steps)
 {
     edml_model model = edml_fconn_f32;
-    model.predict = know;
+    model.predict_f32 = know;
     model.layers = truth;
     model.objective = (uint8_t)objective;
     model.refine_steps = (uint8_t)steps;
@@ -297,18 +298,19 @@ static void what_work_memory_held_does_not_matter(void)
 }
 
 /* Another lift between two stages of one: what an interrupt or a second thread would do. */
-static void interrupt(float *distance, const float *edm, const edml_model *model, edml_work *memory)
+static void interrupt(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
+                      const edml_model *model, float layer[2][EDML_LAYER_WIDEST])
 {
     edml_pose other;
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&other, whole, &edml_fconn_f32, &other_work));
-    edml_fconn_f32.predict(distance, edm, model, memory);
+    edml_fconn_f32.predict_f32(distance, edm, model, layer);
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&other, whole, &edml_fconn_f32, &other_work));
 }
 
 static void a_lift_inside_a_lift_changes_no_bit(void)
 {
     edml_model interrupted = edml_fconn_f32;
-    interrupted.predict = interrupt;
+    interrupted.predict_f32 = interrupt;
     someone(8);
     memcpy(whole, in, sizeof whole);
     someone(7);

@@ -1,0 +1,15 @@
+/* The stages in fixed point, in the order in which data flow.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "real_q24.h"
+
+#include "vector.inc"
+
+#include "edm.inc"
+#include "jacobi.inc"
+#include "mds.inc"
+#include "refine.inc"
+#include "mirror.inc"
+#include "orient.inc"
+#include "lift.inc"

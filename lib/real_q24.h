@@ -1,0 +1,63 @@
+/* The vocabulary of the shared stages (*.inc), spoken in whole numbers: a real is an int32_t with 24
+ * fraction bits, from -128 to 128 in steps of 6e-8.  What the words mean is said in real_f32.h.
+ *
+ * Nothing saturates and nothing is checked here: each stage says why its numbers stay in range, and
+ * tests/check.cpp compiles the stages with numbers that stop at the first one which does not.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_REAL_Q24_H
+#define EDML_REAL_Q24_H
+
+#include "fixed.h"
+#include "model.h"
+
+typedef int32_t real;
+typedef int64_t wide;
+typedef int32_t pixels; /* Q16 */
+typedef edml_keypoint_q16 keypoint;
+typedef edml_point_q24 point;
+typedef edml_pose_q16 pose;
+typedef edml_work_q24 work_memory;
+typedef edml_rotation_q24 rotation;
+
+#define NAME(x) x##_q24
+
+#define REAL(constant) ((real)((constant) * 16777216.0 + 0.5)) /* >= 0; folded by the compiler */
+#define SETTING(number) (number).q24
+#define EPSILON 8
+#define MUL(a, b) mul_q24(a, b)
+#define DIV(a, b) edml__divide_q24(a, b) /* error <= 1/2 unit in the last place */
+#define SQRT(a) sqrt_q24(a)              /* error < 1 unit, not too large */
+#define HYPOT(a, b) hypot_q24(a, b, 0)   /* error < 1 unit, not too large; result < 128 */
+#define NORM(a, b, c) hypot_q24(a, b, c) /* the same */
+#define ABS(a) ((a) < 0 ? -(a) : (a))
+#define NARROW(sum) ((real)(sum))
+#define RESULT(a) (((a) + 128) >> 8)
+
+#define FINITE(a) ((a) > -(1 << 29) && (a) < 1 << 29) /* 8192 pixels; confidences always */
+#define EXACT_TO (256 << 16) /* pixels: 24 bits, as many as a float has */
+#define RUNS(model) ((model)->predict_q24 != NULL)
+
+/* Shifting a negative number to the right must round down, as it does everywhere; C leaves it open. */
+typedef char shifts_are_arithmetic[(-3 >> 1) == -2 ? 1 : -1];
+
+/* To the nearest; |a b| < 128. */
+static inline real mul_q24(real a, real b)
+{
+    return (real)(((int64_t)a * b + (1 << 23)) >> 24);
+}
+
+static inline real sqrt_q24(wide a) /* < 2^14 */
+{
+    return a > 0 ? (real)edml__root((uint64_t)a << 24) : 0;
+}
+
+static inline uint64_t square_q24(real a) { return (uint64_t)((int64_t)a * a); } /* <= 2^62 */
+
+static inline real hypot_q24(real a, real b, real c)
+{
+    return (real)edml__root(square_q24(a) + square_q24(b) + square_q24(c));
+}
+
+#endif
