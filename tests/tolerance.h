@@ -33,6 +33,10 @@
 #define REFINE_RAW_TOLERANCE 5e-5F
 #define REFINE_EQ2_TOLERANCE 3e-3F
 #define REFINE_TURNED_TOLERANCE 1e-4F
+/* In Q24, against float32. */
+#define STRESS_Q24_TOLERANCE 1e-6F /* absolute, of values to 0.1; distances rounded to 6e-8 */
+#define REFINE_Q24_TOLERANCE 1e-4F /* five steps; measured 3e-5, 3e-5 and 5e-6 */
+#define REFINE_Q24_RISE 1e-3F      /* relative, of the objective; measured 3e-5 */
 
 /* ---- Mirror, log-odds ---- */
 #define MARGIN_TOLERANCE 2e-5F
