@@ -5123,7 +5123,7 @@ const edml_model edml_fconn_f32 = {
     "fconn_f32",
     0x947f9d20u, /* checksum */
     edml__fconn_f32,
-    NULL, /* not quantised */
+    NULL,
     edml__fconn_hash_f32,
     fconn_f32_layers,
     3, /* layers */

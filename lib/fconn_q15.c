@@ -1,0 +1,13 @@
+/* FConn in whole numbers, weights of up to 16 bits.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "model.h"
+
+#define NAME(x) x##_q15
+typedef int16_t weight;
+typedef edml_dense_q15 dense_layer;
+
+#include "fconn_int.h"
+
+#include "fconn.inc"

@@ -1,0 +1,170 @@
+"""Turns a network into whole numbers, as lib/model.h defines them for edml_dense_q15 and _q7.
+
+Rows of weights have a scale each, as large as the bits of a weight and the 32-bit accumulator
+allow.  What the hidden layers reach on views of the training people (the calibration) decides the
+scale of their activations; larger ones are limited, in C as here, so that no input can overflow.
+"""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from weights import ExportError, Layer, digest
+
+# What lib/model.h fixes.
+ACTIVATION = 32767  # EDML_ACTIVATION
+EDM_SHIFT = 12  # EDML_EDM_SHIFT: from Q24 to Q12
+WIDEST = 3.75  # an EDM reaches 2 sqrt(1 + widest^2), which Q12 holds below 8
+
+WEIGHT_TYPES = {"q15": np.int16, "q7": np.int8}
+WORD = 1 << 31
+METRE = 1 << 24  # of the distances, Q24
+FARTHEST = 3 * METRE  # what the stages behind the network are made for
+HEADROOM = 1.25  # of the activations over the largest one in calibration
+VANISHING = 1e-6  # weights below it need not tell the scale of their row
+
+
+class Dense(NamedTuple):
+    """y = ((x @ weight + bias) factor + 2^(shift - 1)) >> shift, limited to 0 to `most`."""
+
+    weight: np.ndarray  # int16 or int8 [in, out]
+    bias: np.ndarray  # int32 [out]
+    factor: np.ndarray  # int32 [out], 1 and up
+    shift: int  # 1 to 62
+    most: int
+
+
+def quantise(layers: Sequence[Layer], activation: Sequence[float], form: str) -> list[Dense]:
+    """The network in whole numbers.
+
+    activation  what each hidden layer reaches in calibration, over 0
+    form        "q15" or "q7"
+    Raises ExportError where that cannot be.
+    """
+    scales = [1 << EDM_SHIFT, *(ACTIVATION / (HEADROOM * most) for most in activation), METRE]
+    dense = []
+    for k, layer in enumerate(layers):
+        most = ACTIVATION if k < len(layers) - 1 else FARTHEST
+        dense.append(quantise_layer(layer, scales[k], scales[k + 1], WEIGHT_TYPES[form], most))
+        prove(dense[k], k)
+    return dense
+
+
+def quantise_layer(layer: Layer, x_scale: float, y_scale: float, kind: type, most: int) -> Dense:
+    """A layer whose input and output are whole numbers of 1 / x_scale and 1 / y_scale."""
+    weight, bias = layer.weight.astype(float), layer.bias * float(x_scale)
+    scale = row_scales(weight, bias, np.iinfo(kind).max)
+    ratio = y_scale / (scale * x_scale)  # of an output to its sum
+    shift = int(min(62, 30 - np.floor(np.log2(ratio.max()))))
+    if shift < 1:
+        raise ExportError("a layer's outputs are too large to quantise")
+    factor = np.clip(np.rint(ratio * 2.0**shift), 1, WORD - 1)
+    return Dense(
+        np.rint(weight * scale).astype(kind),
+        np.rint(bias * scale).astype(np.int32),
+        factor.astype(np.int32),
+        shift,
+        most,
+    )
+
+
+def row_scales(weight: np.ndarray, bias: np.ndarray, most: int) -> np.ndarray:
+    """The largest scale [out] of each row, by bisection, with which its weights stay within +-most
+    and its sums within 32 bits.  Whole numbers alone decide, so that it is the same everywhere."""
+    low = np.zeros(len(bias))
+    high = most / np.maximum(np.abs(weight).max(0), VANISHING)
+    for scale in [high, *[None] * 48]:
+        scale = (low + high) / 2 if scale is None else scale
+        lowest, highest = sum_bounds(np.rint(weight * scale), np.rint(bias * scale))
+        fits = (lowest > -WORD) & (highest < WORD)
+        low, high = np.where(fits, scale, low), np.where(fits, high, scale)
+    return low
+
+
+def sum_bounds(weight: np.ndarray, bias: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What the sums of a layer, and all sums on the way, cannot leave: lowest and highest [out].
+
+    Inputs are 0 to ACTIVATION, so that in any order a sum is highest where only positive weights
+    have counted, and lowest where only negative ones have.
+    """
+    up = np.maximum(weight, 0).sum(0, dtype=weight.dtype)
+    down = np.minimum(weight, 0).sum(0, dtype=weight.dtype)
+    return bias + ACTIVATION * down, bias + ACTIVATION * up
+
+
+def prove(dense: Dense, number: int) -> None:
+    """Raises ExportError unless the C kernel computes the layer without overflow, whatever its
+    input: in whole numbers, on what the header will hold."""
+    lowest, highest = sum_bounds(dense.weight.astype(np.int64), dense.bias.astype(np.int64))
+    for row in np.flatnonzero((lowest < -WORD) | (highest >= WORD)):
+        raise ExportError(
+            f"layer {number}: sums of row {row} reach {lowest[row]} to {highest[row]}, "
+            "beyond 32 bits"
+        )
+    if not (dense.factor > 0).all() or not 1 <= dense.shift <= 62:
+        raise ExportError(f"layer {number}: factor or shift out of range")
+
+
+def run(network: Sequence[Dense], edm: np.ndarray) -> np.ndarray:
+    """Distances [F,91] that the C library computes from EDMs [F,91]: both whole numbers, Q24."""
+    half = 1 << EDM_SHIFT >> 1
+    x = np.minimum((edm.astype(np.int64) + half) >> EDM_SHIFT, ACTIVATION)
+    for dense in network:
+        total = x @ dense.weight.astype(np.int64) + dense.bias
+        y = (total * dense.factor + (1 << dense.shift - 1)) >> dense.shift
+        x = np.clip(y, 0, dense.most)
+    return x
+
+
+# ---- Calibration -------------------------------------------------------------------------------
+
+
+def training_edms(motion: Path, recipe: Mapping[str, Any]) -> np.ndarray:
+    """EDMs [F,91] of one view of each training pose, drawn as in training; the same each time."""
+    import jax.numpy as jnp  # training's own text, and its JAX, for calibration alone
+
+    import network
+    import train
+    from mocap import load_motion
+
+    known = train.Recipe.__dataclass_fields__.keys() & recipe.keys()
+    rng = np.random.default_rng([recipe.get("seed", 0), 1 << 32])
+    joints = load_motion(motion).joints
+    keypoints, _ = train.draw_2d(joints, train.Recipe(**{k: recipe[k] for k in known}), rng)
+    return np.asarray(network.edm_2d(jnp.asarray(keypoints)), float)
+
+
+def calibrate(layers: Sequence[Layer], edms: np.ndarray) -> dict[str, Any]:
+    """What quantising needs to know, and how well it does, on EDMs [F,91]: for the manifest."""
+    activations = [edms]
+    for weight, bias in layers:
+        activations.append(np.maximum(activations[-1] @ weight.astype(float) + bias, 0))
+    largest = [round(float(x.max()), 4) for x in activations[1:-1]]
+    if not all(largest):
+        raise ExportError("calibration: a hidden layer is always zero")
+    errors = {}
+    for form in WEIGHT_TYPES:
+        distances = run(quantise(layers, largest, form), np.rint(edms * METRE)) / METRE
+        error = np.sqrt(np.mean((distances - activations[-1]) ** 2))
+        size = np.sqrt(np.mean(activations[-1] ** 2))
+        percent = 100 * error / size
+        errors[form] = {"mm": round(float(1000 * error), 3), "percent": round(float(percent), 3)}
+    return {"weights": digest(layers), "views": len(edms), "activation": largest, "rms": errors}
+
+
+# ---- What the header says ----------------------------------------------------------------------
+
+
+def weight_bits(dense: Dense) -> tuple[int, int]:
+    """The fewest and the most bits, sign included, that the weights of a row have."""
+    peaks = [int(peak) for peak in np.abs(dense.weight.astype(int)).max(0) if peak > 0]
+    return min(peaks, default=0).bit_length() + 1, max(peaks, default=0).bit_length() + 1
+
+
+def spare_bits(network: Sequence[Dense]) -> float:
+    """How far the largest sum that any input can cause is from 32 bits, in bits."""
+    bounds = [sum_bounds(d.weight.astype(np.int64), d.bias.astype(np.int64)) for d in network]
+    largest = max(int(np.abs(bound).max()) for pair in bounds for bound in pair)
+    return float(np.log2(WORD / max(largest, 1)))
