@@ -12,6 +12,7 @@
 #include <unity.h>
 
 #include "edmlift.h"
+#include "q24.h"
 #include "tolerance.h"
 
 enum { ALL_SEEN = (1 << EDML_JOINTS) - 1 };

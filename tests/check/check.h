@@ -1,0 +1,40 @@
+/* The fixed-point lift in numbers that watch themselves.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_CHECK_H
+#define EDML_CHECK_H
+
+#include "edmlift.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Operations since the tally was last zeroed. */
+typedef struct {
+    long sums;      /* + - * / of whole numbers */
+    long products;  /* MUL */
+    long ratios;    /* DIV */
+    long roots;     /* SQRT, HYPOT, NORM */
+    long overflows; /* results, or numbers given to DIV and SQRT, that do not fit */
+} check_tally;
+
+/* edml_lift_q24(), and what it took. */
+edml_status check_lift(edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS],
+                       const edml_model *model, check_tally *tally);
+
+/* What follows the network in a lift, of any distances: 0 to 3 m, Q24. */
+void check_points(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
+                  const edml_keypoint_q16 in[EDML_JOINTS], const edml_model *model,
+                  check_tally *tally);
+
+/* edml_refine_q24() of the points of check_points() before they are mirrored and turned. */
+int check_refine(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
+                 edml_objective objective, int steps, check_tally *tally);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

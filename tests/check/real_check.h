@@ -1,0 +1,149 @@
+/* The vocabulary of the shared stages (lib/real_q24.h) in numbers that watch themselves, in C++: each
+ * is a whole number of the width that fixed point has, and every operation on it is counted and
+ * looked at for overflow.  Results are those of real_q24.h, bit for bit.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_REAL_CHECK_H
+#define EDML_REAL_CHECK_H
+
+#include <stdint.h>
+
+#include <limits>
+#include <type_traits>
+
+#include "check.h"
+#include "fixed.h"
+#include "model.h"
+
+extern check_tally tally;
+
+/* A whole number of T's width. */
+template <typename T> class checked {
+public:
+    checked() = default;
+    checked(int number) : value_(number) {}
+    template <typename Other, typename = typename std::enable_if<(sizeof(Other) < sizeof(T))>::type>
+    checked(checked<Other> narrower) : value_(narrower.value()) {} /* the way back is NARROW */
+    T value() const { return value_; }
+
+    /* Of a result in more bits. */
+    static checked from(__int128 exact)
+    {
+        if (exact < std::numeric_limits<T>::min() || exact > std::numeric_limits<T>::max())
+            tally.overflows++;
+        checked result;
+        result.value_ = static_cast<T>(exact);
+        return result;
+    }
+
+    friend checked operator+(checked a, checked b) { return tally.sums++, from(a.exact() + b.exact()); }
+    friend checked operator-(checked a, checked b) { return tally.sums++, from(a.exact() - b.exact()); }
+    friend checked operator*(checked a, checked b) { return tally.sums++, from(a.exact() * b.exact()); }
+    friend checked operator/(checked a, checked b)
+    {
+        if (b.value_ == 0) return tally.overflows++, checked(0);
+        return tally.sums++, from(a.exact() / b.exact());
+    }
+    checked operator-() const { return tally.sums++, from(-exact()); }
+    checked &operator+=(checked b) { return *this = *this + b; }
+    checked &operator-=(checked b) { return *this = *this - b; }
+    checked &operator*=(checked b) { return *this = *this * b; }
+    checked &operator/=(checked b) { return *this = *this / b; }
+
+    friend bool operator<(checked a, checked b) { return a.value_ < b.value_; }
+    friend bool operator>(checked a, checked b) { return a.value_ > b.value_; }
+    friend bool operator<=(checked a, checked b) { return a.value_ <= b.value_; }
+    friend bool operator>=(checked a, checked b) { return a.value_ >= b.value_; }
+    friend bool operator==(checked a, checked b) { return a.value_ == b.value_; }
+    friend bool operator!=(checked a, checked b) { return a.value_ != b.value_; }
+
+private:
+    __int128 exact() const { return value_; }
+    T value_;
+};
+
+typedef checked<int32_t> real;
+typedef checked<int64_t> wide;
+typedef real pixels;
+typedef edml_keypoint_q16 keypoint;
+typedef edml_pose_q16 pose;
+
+struct point {
+    real x, y, z;
+};
+
+struct rotation {
+    real sine;
+    uint8_t p, q;
+};
+
+#define NAME(x) x##_check
+
+struct NAME(edml_matrix) {
+    real at[EDML_JOINTS][EDML_JOINTS];
+};
+
+struct NAME(edml_eigen) {
+    real value[EDML_JOINTS], vector[EDML_JOINTS][EDML_JOINTS];
+    rotation turn[640];
+};
+
+struct work_memory {
+    real distance[EDML_PAIRS];
+    NAME(edml_matrix) matrix;
+    point x[EDML_JOINTS];
+    struct { /* edml_work_q24 has a union */
+        real layer[2][EDML_LAYER_WIDEST];
+        rotation turn[320];
+        point step[4][EDML_JOINTS];
+    } use;
+};
+
+#define REAL(constant) real::from((__int128)((constant) * 16777216.0 + 0.5))
+#define SETTING(number) real((number).q24)
+#define EPSILON 8
+#define MUL(a, b) check_mul(a, b)
+#define DIV(a, b) check_div(a, b)
+#define SQRT(a) check_sqrt(a)
+#define HYPOT(a, b) check_norm(a, b, 0)
+#define NORM(a, b, c) check_norm(a, b, c)
+#define ABS(a) ((a) < 0 ? -(a) : (a))
+#define NARROW(sum) real::from((sum).value())
+#define RESULT(a) (((a) + 128).value() >> 8)
+#define FINITE(a) ((a) > -(1 << 29) && (a) < 1 << 29)
+#define EXACT_TO (256 << 16)
+#define RUNS(model) ((model)->predict_q24 != NULL)
+
+static inline real check_mul(real a, real b)
+{
+    tally.products++;
+    return real::from(((__int128)a.value() * b.value() + (1 << 23)) >> 24);
+}
+
+static inline real check_div(wide a, wide b)
+{
+    tally.ratios++;
+    const int64_t n = a.value(), d = b.value(), limit = INT64_C(1) << 39;
+    const bool fits = d != 0 && n > -limit && n < limit;
+    const __int128 wanted = fits ? ((__int128)n << 24) / d : 0;
+    if (!fits || wanted > INT32_MAX || wanted < -INT32_MAX) return tally.overflows++, real(0);
+    return real::from(edml__divide_q24(n, d));
+}
+
+static inline real check_sqrt(wide a)
+{
+    tally.roots++;
+    if (a >= wide(INT32_MAX) * 128) tally.overflows++;
+    return a > 0 ? real::from(edml__root((uint64_t)a.value() << 24)) : real(0);
+}
+
+static inline real check_norm(real a, real b, real c)
+{
+    tally.roots++;
+    const __int128 squares = (__int128)a.value() * a.value() + (__int128)b.value() * b.value() +
+                             (__int128)c.value() * c.value(); /* < 2^64 */
+    return real::from(edml__root((uint64_t)squares));
+}
+
+#endif

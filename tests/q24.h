@@ -1,0 +1,44 @@
+/* The fixed-point stages under the names and types of the float ones, so that a test of either is one
+ * text: tests are compiled a second time with -DEDML_TEST_Q24.
+ *
+ * Numbers are rounded on their way in; keypoints out of range become the ends of it, as a saturating
+ * conversion makes them.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_TEST_Q24_H
+#define EDML_TEST_Q24_H
+
+#include "edmlift.h"
+
+void to_q16(edml_keypoint_q16 out[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS]);
+
+edml_status q24_edm(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest,
+                    float widest);
+void q24_net(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,
+             edml_work *work);
+void q24_jacobi(edml_eigen_f32 *eigen, const edml_matrix_f32 *a);
+void q24_mds(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_work *work);
+int q24_refine(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
+               edml_objective objective, int steps, edml_work *work);
+float q24_stress(const edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
+                 edml_objective objective);
+float q24_mirror(edml_point x[EDML_JOINTS], const edml_model *model);
+void q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen);
+edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
+                     edml_work *work);
+
+#ifdef EDML_TEST_Q24
+#define edml_edm_f32 q24_edm
+#define edml_net_f32 q24_net
+#define edml_jacobi_f32 q24_jacobi
+#define edml_mds_f32 q24_mds
+#define edml_refine_f32 q24_refine
+#define edml_stress_f32 q24_stress
+#define edml_mirror_f32 q24_mirror
+#define edml_orient_f32 q24_orient
+#define edml_lift q24_lift
+#define edml_fconn_f32 edml_fconn_q15
+#endif
+
+#endif
