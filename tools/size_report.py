@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import marks
-from firmware import ROOT, TARGETS, Target, ToolError, build, compile_library, count, run
+from firmware import ROOT, SOURCES, TARGETS, Target, ToolError, build, compile_library, count, run
 
 BENCH = ROOT / "tests" / "bench"
 README, COSTS = ROOT / "README.md", ROOT / "docs" / "costs.md"
@@ -33,14 +33,11 @@ VARIANTS = {
     "q7": ["-DMODEL=edml_fconn_q7"],
     "fixed": ["-DMODEL=edml_fconn_q15", "-DFIXED"],
 }
-CALLS = {
-    "f32": "`edml_lift`, `edml_fconn_f32`",
-    "q15": "`edml_lift`, `edml_fconn_q15`",
-    "q7": "`edml_lift`, `edml_fconn_q7`",
-    "fixed": "`edml_lift_q24`, `edml_fconn_q15`",
-}
-SUMMARY = [("Cortex-M4F", "f32"), ("Cortex-M3", "fixed"), ("Cortex-M0+", "fixed")]
-METRICS = {"f32": "metrics", "fixed": "metrics_q15"}  # in the model's manifest
+SUMMARY = [  # core, variant, its name, its errors in the model's manifest
+    ("Cortex-M4F", "f32", "float", "metrics"),
+    ("Cortex-M3", "fixed", "fixed point", "metrics_q15"),
+    ("Cortex-M0+", "fixed", "fixed point", "metrics_q15"),
+]
 
 
 @dataclass(frozen=True)
@@ -68,23 +65,18 @@ EXACT = COLUMNS[: COLUMNS.index("edm")]
 
 def flash_sizes(link_map: str) -> dict[str, int]:
     """Bytes of code, helpers and weights by the linker's map of tests/bench/smallest.c."""
+    library = {f"{source.stem}.o" for source in SOURCES}
     sizes = {"code": 0, "helpers": 0, "weights": 0}
     placed = link_map.partition("\nLinker script and memory map\n")[2]
     section = r"^ \.(?:text|s?rodata)\S*\s+0x[0-9a-f]+\s+0x([0-9a-f]+) (\S+)$"
     for size, file in re.findall(section, placed, re.M):
-        library = [f"{stem}.o" for stem in library_stems()]
-        if re.search(r"lib(gcc|m|c)\.a\(", file):
+        if re.search(r"/lib(gcc|m|c)\.a\(", file):
             sizes["helpers"] += int(size, 16)
-        elif Path(file).name.startswith("model_"):
-            sizes["weights"] += int(size, 16)
-        elif Path(file).name in library:
             sizes["code"] += int(size, 16)
-    sizes["code"] += sizes["helpers"]
+        elif Path(file).name in library:
+            model = Path(file).name.startswith("model_")
+            sizes["weights" if model else "code"] += int(size, 16)
     return sizes
-
-
-def library_stems() -> list[str]:
-    return [source.stem for source in (ROOT / "lib").glob("*.c")]
 
 
 def measure_variant(target: Target, variant: str, library: list[Path], folder: Path) -> Cost:
@@ -156,8 +148,10 @@ def readme_table(costs: list[Cost]) -> str:
         units += ["bytes", "a lift"]
     rows: list[list[str | int]] = [units]
     for core in dict.fromkeys(cost.core for cost in costs):
-        cells = [of[core, variant] for variant in VARIANTS]
-        rows.append([core, *(x for cost in cells for x in (cost.code, f"{cost.lift / 1000:,.0f} k"))])
+        row: list[str | int] = [core]
+        for variant in VARIANTS:
+            row += [of[core, variant].code, f"{of[core, variant].lift / 1000:,.0f} k"]
+        rows.append(row)
     for label, name in (
         ("flash for weights", "weights"), ("work memory", "work"), ("stack, at most", "stack")
     ):  # fmt: skip
@@ -171,15 +165,14 @@ def summary_table(costs: list[Cost]) -> str:
     of = {(cost.core, cost.variant): cost for cost in costs}
     manifest = json.loads((ROOT / "gen" / "fconn.json").read_text("utf-8"))
     rows: list[list[str | int]] = []
-    for key in SUMMARY:
-        cost, metrics = of[key], manifest.get(METRICS[key[1]], {})
-        errors = [f"{metrics[name]} mm" if metrics else "" for name in ("gt", "cpm", "rand2")]
+    for core, variant, name, key in SUMMARY:
+        cost, metrics = of[core, variant], manifest.get(key, {})
         rows.append([
-            f"{cost.core}: {CALLS[cost.variant]}",
+            f"{core}, {name}",
             f"{cost.code:,} bytes + {cost.weights:,} of weights",
             f"{cost.work:,} bytes + {cost.stack} of stack",
             f"{cost.lift:,} instructions",
-            *errors,
+            *(f"{metrics[view]} mm" if metrics else "" for view in ("gt", "cpm", "rand2")),
         ])  # fmt: skip
     head = ["", "flash", "RAM", "a lift", "error, exact 2D", "detector's 2D", "two joints missing"]
     return markdown(head, rows)
