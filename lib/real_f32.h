@@ -3,7 +3,7 @@
  *
  *   real, wide    a number; one that holds sums beyond the range of a real
  *   REAL(c)       a constant, SETTING(n) an edml_number of the model
- *   MUL DIV SQRT  of reals; DIV and SQRT take wides, too; DIV is a ratio of any two like numbers
+ *   MUL DIV SQRT  of reals; DIV is a ratio of any two like numbers
  *   HYPOT NORM    length of a vector of two and of three
  *   ABS NARROW    absolute value; a wide that is known to fit as a real
  *   PRODUCT       of two reals, as a wide of finer fraction, for sums of up to 2^23

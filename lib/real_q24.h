@@ -63,7 +63,7 @@ static inline real saturate_q40(wide sum)
     return (real)(((sum > most ? most : sum < -most ? -most : sum) + (1 << 15)) >> 16);
 }
 
-static inline real sqrt_q24(wide a) /* < 2^14 */
+static inline real sqrt_q24(real a)
 {
     return a > 0 ? (real)edml__root((uint64_t)a << 24) : 0;
 }
