@@ -400,7 +400,7 @@ def calibrate(layers: Sequence[Layer], manifest: Path, motion: Path) -> str:
     settings = read_settings(manifest)
     try:
         edms = quantise.training_edms(motion, settings.recipe)
-    except (MocapError, OSError) as error:
+    except (MocapError, OSError, TypeError, ValueError) as error:
         raise ExportError(f"{motion}: {one_line(error)}") from error
     noted = quantise.calibrate(layers, edms)
     known = json.loads(manifest.read_text("utf-8"))

@@ -10,9 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builds import need_cross_compiler
 from conftest import ROOT
 
 import edmlift
+import firmware
 import quantise
 from export_weights import main
 from quantise import ACTIVATION, METRE, WORD, Dense
@@ -323,6 +325,21 @@ def test_the_library_computes_the_network(folder, layers, calibration, edms, for
     y = np.frombuffer(result.stdout, np.int32).reshape(-1, 91)
     assert np.array_equal(y, quantise.run(quantise.quantise(layers, calibration, form), x))
     assert y.max() > METRE
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_without_an_fpu_no_float_code_is_linked(tmp_path, form):
+    target = firmware.TARGETS["cortex-m3"]
+    need_cross_compiler(target)
+    asked, defined = set(), set()
+    for name in (f"fconn_{form}", f"model_fconn_{form}", "net_q24", "model"):
+        item = tmp_path / f"{name}.o"
+        compile_it = firmware.compiler(target, "-Os")
+        firmware.run(*compile_it, "-c", ROOT / "lib" / f"{name}.c", "-o", item)
+        for line in firmware.run(f"{target.system.cross}nm", item).splitlines():
+            *_, kind, symbol = line.split()
+            (asked if kind == "U" else defined).add(symbol)
+    assert asked - defined == {"memcpy"}
 
 
 @pytest.mark.parametrize("form", FORMS)
