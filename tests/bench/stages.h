@@ -1,28 +1,13 @@
-/* The stages on made-up poses, each in a function of its own so that its cost can be told.
- *
- * MODEL is the model; with -DFIXED everything is in fixed point.
+/* The stages on made-up poses.
  *
  * SPDX-License-Identifier: MIT
  */
-#ifdef FIXED
-#include "real_q24.h"
-#else
-#include "real_f32.h"
-#endif
-
-#ifndef MODEL
-#define MODEL edml_fconn_f32
-#endif
-
-#define STAGE static __attribute__((noinline)) void
+#include "lift.h"
 
 enum { POSES = 64, STEPS = 10 };
 
-static keypoint in[EDML_JOINTS];
 static real edm[EDML_PAIRS], distance[EDML_PAIRS];
 static point x[EDML_JOINTS];
-static pose out;
-static work_memory work;
 
 /* A person of about 400 pixels' height, each joint off by up to 20 pixels. */
 static void make_pose(int i)
@@ -52,7 +37,6 @@ STAGE stage_mds(void) { NAME(edml_mds)(x, distance, &work); }
 STAGE stage_refine(void) { NAME(edml_refine)(x, distance, EDML_STRESS_SQUARE, STEPS, &work); }
 STAGE stage_mirror(void) { NAME(edml_mirror)(x, &MODEL); }
 STAGE stage_orient(void) { NAME(edml_orient)(x, in, 0x3FFF); }
-STAGE stage_lift(void) { NAME(edml_lift)(&out, in, &MODEL, &work); }
 
 /* In the order in which data flow; the shipped models' lift goes without the refinement. */
 static const struct {
