@@ -23,10 +23,12 @@ DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 README = ROOT / "README.md"
 
 
-def test_the_header_is_made_of_the_weights_byte_for_byte(tmp_path):
-    out = tmp_path / "fconn_f32.h"
-    assert export_weights.main([str(ROOT / "gen" / "fconn.npz"), "--out", str(out)]) == 0
-    assert out.read_bytes() == (ROOT / "gen" / "fconn_f32.h").read_bytes()
+@pytest.mark.parametrize("form", ["f32", "q15", "q7"])
+def test_the_header_is_made_of_the_weights_byte_for_byte(tmp_path, form):
+    out = tmp_path / f"fconn_{form}.h"
+    options = [] if form == "f32" else ["--quantise", form]
+    assert export_weights.main([str(ROOT / "gen" / "fconn.npz"), *options, "--out", str(out)]) == 0
+    assert out.read_bytes() == (ROOT / "gen" / f"fconn_{form}.h").read_bytes()
 
 
 @pytest.mark.skipif(not (DATA / "cmu14_test.npz").exists(), reason="needs the test people")
