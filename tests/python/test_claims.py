@@ -55,19 +55,23 @@ def test_the_costs_are_those_of_the_tables(costs):
     size_report.check(costs)
 
 
-LIMITS = [  # bytes of code and stack, instructions a lift
-    ("Cortex-M4F", "f32", 16384, 512, 300_000),
-    ("Cortex-M4F", "q15", 16384, 512, 300_000),
-    ("Cortex-M3", "fixed", 16384, 512, 1_200_000),
-    ("Cortex-M0+", "fixed", 20480, 512, 2_500_000),
+LIMITS = [  # bytes of code, instructions a lift
+    ("Cortex-M4F", "f32", 16384, 300_000),
+    ("Cortex-M4F", "q15", 16384, 300_000),
+    ("Cortex-M3", "fixed", 16384, 1_200_000),
+    ("Cortex-M0+", "fixed", 20480, 2_500_000),
 ]
 
 
-@pytest.mark.parametrize("core, variant, code, stack, lift", LIMITS)
-def test_a_lift_is_cheap(costs, core, variant, code, stack, lift):
+@pytest.mark.parametrize("core, variant, code, lift", LIMITS)
+def test_a_lift_is_cheap(costs, core, variant, code, lift):
     (cost,) = [cost for cost in costs if (cost.core, cost.variant) == (core, variant)]
-    assert cost.work <= 4096
-    assert cost.code <= code and cost.stack <= stack and cost.lift <= lift
+    assert cost.code <= code and cost.lift <= lift
+
+
+def test_a_lift_needs_little_memory(costs):
+    assert max(cost.work for cost in costs) <= 4096
+    assert max(cost.stack for cost in costs) <= 512
 
 
 def test_all_of_the_flash_is_told(tmp_path):
