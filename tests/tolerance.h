@@ -24,6 +24,10 @@
 #define TRACE_TOLERANCE 1e-5F
 #endif
 
+/* ---- Quantised networks, RMS against the float one, on people of helpers.c ---- */
+#define NET_Q15_TOLERANCE 1e-4F /* measured 0.06 mm */
+#define NET_Q7_TOLERANCE 4e-3F  /* measured 2.4 mm */
+
 /* ---- MDS ---- */
 #define MDS_TOLERANCE 5e-5F      /* 0.05 mm: the header's promise */
 #define MDS_FLAT_TOLERANCE 2e-3F /* root of a rounding error: sqrt(4e-6 m^2) */
