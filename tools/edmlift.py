@@ -85,11 +85,12 @@ class Library:
         else:
             poses, status = self._call(self._c.edml_lift, keypoints, POSE)
             unit = np.float32(1)
-        numbers = [poses[name] * unit for name in ("joint", "mirror_margin", "residual")]
+        names = ("joint", "mirror_margin", "residual")
+        numbers = [(poses[name] * unit).astype(np.float32) for name in names]
         for array in numbers:
             array[status != 0] = np.nan
-        names = np.array([self.status_name(s) for s in range(0, status.min(initial=0) - 1, -1)])
-        return Poses(*numbers, names[-status])
+        statuses = np.array([self.status_name(s) for s in range(0, status.min(initial=0) - 1, -1)])
+        return Poses(*numbers, statuses[-status])
 
     def _call(self, lift, keypoints: np.ndarray, pose: np.dtype) -> tuple[np.ndarray, np.ndarray]:
         """Poses [F] and status [F] of a C function that lifts one."""
