@@ -169,7 +169,8 @@ OBJECTIVES = ("none", "square", "raw", "eq2")  # edml_objective
 
 def to_q16(keypoints: np.ndarray) -> np.ndarray:
     """Keypoints [F,14,3] as KEYPOINT_Q16 [F,14]; what is out of range, or NaN, its nearest end."""
-    keypoints = np.nan_to_num(np.asarray(keypoints, np.float64), nan=-np.inf)
+    keypoints = np.asarray(keypoints, np.float64)
+    keypoints = np.where(np.isnan(keypoints), -np.inf, keypoints)
     out = np.zeros(keypoints.shape[:2], KEYPOINT_Q16)
     out["at"] = np.round(np.clip(keypoints[..., :2] * 65536, -(2.0**31), 2.0**31 - 1))
     out["c"] = np.ceil(np.clip(keypoints[..., 2] * 32768, -(2.0**15), 2.0**15 - 1))
