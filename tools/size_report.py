@@ -140,12 +140,12 @@ def parse(text: str) -> list[Cost]:
 
 
 def readme_table(costs: list[Cost]) -> str:
-    """A row a core: code, and thousands of instructions a lift, of each variant."""
+    """A row a core: code, and thousands of instructions a lift, of each variant; then memory."""
     of = {(cost.core, cost.variant): cost for cost in costs}
-    head, units = [""], ["flash for code, instructions"]
+    head, units = [""], [""]
     for variant in VARIANTS:
         head += [f"`{variant}`", ""]
-        units += ["bytes", "a lift"]
+        units += ["code, bytes", "a lift"]
     rows: list[list[str | int]] = [units]
     for core in dict.fromkeys(cost.core for cost in costs):
         row: list[str | int] = [core]
@@ -153,7 +153,7 @@ def readme_table(costs: list[Cost]) -> str:
             row += [of[core, variant].code, f"{of[core, variant].lift / 1000:,.0f} k"]
         rows.append(row)
     for label, name in (
-        ("flash for weights", "weights"), ("work memory", "work"), ("stack, at most", "stack")
+        ("weights, bytes", "weights"), ("work memory, bytes", "work"), ("stack, at most", "stack")
     ):  # fmt: skip
         most = [max(getattr(c, name) for c in costs if c.variant == v) for v in VARIANTS]
         rows.append([label, *(x for size in most for x in (size, ""))])

@@ -23,10 +23,12 @@ DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 README = ROOT / "README.md"
 
 
-def test_the_header_is_made_of_the_weights_byte_for_byte(tmp_path):
-    out = tmp_path / "fconn_f32.h"
-    assert export_weights.main([str(ROOT / "gen" / "fconn.npz"), "--out", str(out)]) == 0
-    assert out.read_bytes() == (ROOT / "gen" / "fconn_f32.h").read_bytes()
+@pytest.mark.parametrize("form", ["f32", "q15", "q7"])
+def test_the_header_is_made_of_the_weights_byte_for_byte(tmp_path, form):
+    out = tmp_path / f"fconn_{form}.h"
+    options = [] if form == "f32" else ["--quantise", form]
+    assert export_weights.main([str(ROOT / "gen" / "fconn.npz"), *options, "--out", str(out)]) == 0
+    assert out.read_bytes() == (ROOT / "gen" / f"fconn_{form}.h").read_bytes()
 
 
 @pytest.mark.skipif(not (DATA / "cmu14_test.npz").exists(), reason="needs the test people")
@@ -53,19 +55,23 @@ def test_the_costs_are_those_of_the_tables(costs):
     size_report.check(costs)
 
 
-LIMITS = [  # bytes of code and stack, instructions a lift
-    ("Cortex-M4F", "f32", 16384, 512, 300_000),
-    ("Cortex-M4F", "q15", 16384, 512, 300_000),
-    ("Cortex-M3", "fixed", 16384, 512, 1_200_000),
-    ("Cortex-M0+", "fixed", 20480, 512, 2_500_000),
+LIMITS = [  # bytes of code, instructions a lift
+    ("Cortex-M4F", "f32", 16384, 300_000),
+    ("Cortex-M4F", "q15", 16384, 300_000),
+    ("Cortex-M3", "fixed", 16384, 1_200_000),
+    ("Cortex-M0+", "fixed", 20480, 2_500_000),
 ]
 
 
-@pytest.mark.parametrize("core, variant, code, stack, lift", LIMITS)
-def test_a_lift_is_cheap(costs, core, variant, code, stack, lift):
+@pytest.mark.parametrize("core, variant, code, lift", LIMITS)
+def test_a_lift_is_cheap(costs, core, variant, code, lift):
     (cost,) = [cost for cost in costs if (cost.core, cost.variant) == (core, variant)]
-    assert cost.work <= 4096
-    assert cost.code <= code and cost.stack <= stack and cost.lift <= lift
+    assert cost.code <= code and cost.lift <= lift
+
+
+def test_a_lift_needs_little_memory(costs):
+    assert max(cost.work for cost in costs) <= 4096
+    assert max(cost.stack for cost in costs) <= 512
 
 
 def test_all_of_the_flash_is_told(tmp_path):
