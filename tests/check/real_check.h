@@ -118,7 +118,7 @@ struct work_memory {
 #define IN_REACH(square) ((square) < real(64 << 24))
 #define ENDLESS wide::from(INT64_MAX)
 #define RESULT(a) (((a) + 128).value() >> 8)
-#define FINITE(a) ((a) > -(1 << 29) && (a) < 1 << 29)
+#define FINITE(a) (-(1 << 29) < int32_t{a} && int32_t{a} < 1 << 29)
 #define EXACT_TO (256 << 16)
 #define RUNS(model) ((model)->predict_q24 != NULL)
 
