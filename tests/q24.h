@@ -27,6 +27,7 @@ float q24_mirror(edml_point x[EDML_JOINTS], const edml_model *model);
 void q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen);
 edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
                      edml_work *work);
+void q24_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const edml_format *format);
 
 #ifdef EDML_TEST_Q24
 #define edml_edm_f32 q24_edm
@@ -38,6 +39,7 @@ edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const
 #define edml_mirror_f32 q24_mirror
 #define edml_orient_f32 q24_orient
 #define edml_lift q24_lift
+#define edml_adapt q24_adapt
 #define edml_fconn_f32 edml_fconn_q15
 #endif
 

@@ -49,6 +49,24 @@ class Poses:
     status: np.ndarray  # [F] names
 
 
+class Format(ctypes.Structure):
+    """edml_format: indices of a detector's keypoints; NO_KEYPOINT where it has none."""
+
+    _fields_ = [
+        ("name", ctypes.c_char_p),
+        ("keypoints", ctypes.c_uint8),
+        ("shares", ctypes.c_uint8),
+        ("limb", ctypes.c_uint8 * 12),
+        ("ears", ctypes.c_uint8 * 2),
+        ("face", ctypes.c_uint8 * 3),
+        ("crown", ctypes.c_uint8),
+        ("centre", ctypes.c_uint8),
+    ]
+
+
+NO_KEYPOINT = 255
+
+
 class Library:
     """The C library; `model` names one of its models, such as "fconn_f32".
 
@@ -106,6 +124,21 @@ class Library:
                 work,
             )
         return poses, status
+
+    def format(self, name: str) -> Format:
+        """One of the formats of keypoints, such as "coco17"."""
+        return Format.in_dll(self._c, f"edml_{name}")
+
+    def adapt(self, keypoints: np.ndarray, name: str) -> np.ndarray:
+        """Keypoints [F,N,3] of a format to those of the joints, [F,14,3]."""
+        layout = self.format(name)
+        if keypoints.ndim != 3 or keypoints.shape[1:] != (layout.keypoints, 3):
+            raise ValueError(f"keypoints must be [F,{layout.keypoints},3], not {keypoints.shape}")
+        keypoints = _f32(keypoints)
+        joints = np.zeros((len(keypoints), len(JOINTS), 3), np.float32)
+        for one, out in zip(keypoints, joints, strict=True):
+            self._c.edml_adapt(_pointer(out), _pointer(one), ctypes.byref(layout))
+        return joints
 
     # The stages, one pose at a time.
 
