@@ -6,6 +6,7 @@ or point EDMLIFT_LIBRARY at one.
 
 import ctypes
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +26,16 @@ POSE = np.dtype(
     ],
     align=True,
 )
+PLACEMENT = np.dtype(
+    [
+        ("joint", np.float32, (len(JOINTS), 3)),
+        ("rotation", np.float32, (3, 3)),
+        ("translation", np.float32, 3),
+        ("reprojection", np.float32),
+        ("steps", np.uint16),
+    ],
+    align=True,
+)
 WORK_BYTES = 4096  # edml_work is at most this; a test holds it to that
 
 
@@ -35,6 +46,19 @@ class Poses:
     joints: np.ndarray  # [F,14,3] metres, camera axes, origin at mid-hip
     margin: np.ndarray  # [F] log-odds of the mirror choice
     residual: np.ndarray  # [F] metres
+    status: np.ndarray  # [F] names
+
+
+@dataclass(frozen=True)
+class Placements:
+    """What `place` returns for F poses; where status is not "ok" the numbers are NaN, steps 0."""
+
+    joints: np.ndarray  # [F,14,3] metres, camera axes, origin at the camera's centre
+    rotation: np.ndarray  # [F,3,3]: joints = rotation @ pose + translation
+    translation: np.ndarray  # [F,3] metres
+    reprojection: np.ndarray  # [F] RMS, pixels
+    focal: np.ndarray  # [F] pixels: given, or chosen by the sweep
+    steps: np.ndarray  # [F]
     status: np.ndarray  # [F] names
 
 
@@ -79,6 +103,61 @@ class Library:
             )
         names = np.array([self.status_name(s) for s in range(0, status.min(initial=0) - 1, -1)])
         return Poses(poses["joint"], poses["mirror_margin"], poses["residual"], names[-status])
+
+    def place(
+        self, poses: np.ndarray, keypoints: np.ndarray, camera: tuple[float, float, float, float]
+    ) -> Placements:
+        """Places poses [F,14,3] before a camera (fx, fy, cx, cy) that sees keypoints [F,14,3]."""
+        intrinsics = np.array(camera, np.float32)
+
+        def run(placement: int, _camera: int, pose: int, seen: int) -> int:
+            pointers = (placement, pose, seen, intrinsics.ctypes.data)
+            return self._c.edml_place(*map(ctypes.c_void_p, pointers), self._work)
+
+        return self._placed(poses, keypoints, intrinsics, run)
+
+    def place_sweep(
+        self, poses: np.ndarray, keypoints: np.ndarray, size: tuple[float, float]
+    ) -> Placements:
+        """The same by a camera of unknown focal length, whose images have this width and height."""
+        width, height = map(ctypes.c_float, size)
+
+        def run(*pointers: int) -> int:
+            arguments = (*map(ctypes.c_void_p, pointers), width, height, self._work)
+            return self._c.edml_place_sweep(*arguments)
+
+        return self._placed(poses, keypoints, np.full(4, np.nan, np.float32), run)
+
+    def _placed(
+        self,
+        poses: np.ndarray,
+        keypoints: np.ndarray,
+        camera: np.ndarray,
+        run: Callable[[int, int, int, int], int],
+    ) -> Placements:
+        """Calls `run` with pointers to a placement, its camera, a pose and keypoints, for each."""
+        if poses.shape != keypoints.shape or poses.shape[1:] != (len(JOINTS), 3):
+            raise ValueError(
+                f"poses and keypoints must be [F,{len(JOINTS)},3], "
+                f"not {poses.shape} and {keypoints.shape}"
+            )
+        given = np.zeros(len(poses), POSE)
+        given["joint"] = poses
+        keypoints = _f32(keypoints)
+        placed = np.zeros(len(poses), PLACEMENT)
+        for field in ("joint", "rotation", "translation", "reprojection"):
+            placed[field] = np.nan
+        cameras = np.tile(camera, (len(poses), 1))
+        status = [
+            run(*(array[i : i + 1].ctypes.data for array in (placed, cameras, given, keypoints)))
+            for i in range(len(poses))
+        ]
+        return Placements(
+            *(placed[f] for f in ("joint", "rotation", "translation", "reprojection")),
+            np.where(np.array(status) == 0, cameras[:, 0], np.nan),
+            placed["steps"],
+            np.array([self.status_name(s) for s in status]),
+        )
 
     # The stages, one pose at a time.
 

@@ -11,7 +11,8 @@ enum { POSES = 64 };
 static edml_keypoint poses[POSES][EDML_JOINTS];
 static float edm[EDML_PAIRS], distance[EDML_PAIRS];
 static edml_point x[EDML_JOINTS], refined[EDML_JOINTS];
-static edml_pose pose;
+static edml_pose lifted[POSES];
+static edml_placement placement;
 static edml_work work;
 static edml_matrix_f32 matrix;
 static edml_eigen_f32 eigen;
@@ -49,7 +50,12 @@ STAGE stage_jacobi(int i)
         for (int q = p + 1; q < EDML_JOINTS; q++) matrix.at[p][q] = distance[k++];
     edml_jacobi_f32(&eigen, &matrix);
 }
-STAGE stage_lift(int i) { edml_lift(&pose, poses[i], &edml_fconn_f32, &work); }
+STAGE stage_lift(int i) { edml_lift(&lifted[i], poses[i], &edml_fconn_f32, &work); }
+STAGE stage_place(int i) /* after the lift */
+{
+    static const edml_camera camera = {1145, 1145, 500, 500};
+    edml_place(&placement, &lifted[i], poses[i], &camera, &work);
+}
 STAGE stage_refine(int i)
 {
     (void)i;
@@ -65,5 +71,6 @@ static const struct {
 } stages[] = {
     {"edm", stage_edm},       {"net", stage_net},       {"mds", stage_mds}, {"mirror", stage_mirror},
     {"orient", stage_orient}, {"refine", stage_refine}, {"jacobi", stage_jacobi}, {"lift", stage_lift},
+    {"place", stage_place},
 };
 enum { STAGES = (int)(sizeof stages / sizeof stages[0]) };
