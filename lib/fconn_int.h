@@ -12,24 +12,25 @@
 
 typedef int32_t value;
 
-/* The EDM, Q24, 0 to 2^31 - 2^24, rounded to Q12 and limited to EDML_ACTIVATION; x may be edm. */
+/* The EDM, 0 or more, from Q24 to Q12: to nearest, at most EDML_ACTIVATION.  x may be edm. */
 static const int32_t *first_input(int32_t *x, const int32_t *edm)
 {
     for (int k = 0; k < EDML_PAIRS; k++) {
-        const int32_t q12 = (edm[k] + (1 << EDML_EDM_SHIFT >> 1)) >> EDML_EDM_SHIFT;
+        const int32_t q12 = ((edm[k] >> (EDML_EDM_SHIFT - 1)) + 1) >> 1;
         x[k] = q12 < EDML_ACTIVATION ? q12 : EDML_ACTIVATION;
     }
     return x;
 }
 
-/* (sum factor + 2^(shift - 1)) >> shift, in one shift of many places: sum, factor < 2^31, shift 1 to
- * 62.  A sum below zero, which C99 does not say how to shift, would become 0 or less. */
-static int32_t activation(int32_t sum, const dense_layer *layer, int row)
+/* From sums, 0 to 2^31 - 1, to activations: times factor / 2^shift, to nearest, at most `most`.
+ * factor is 1 to 2^31 - 1, so that the product is below 2^62; shift is 1 to 62. */
+static void rescale(int32_t *y, const dense_layer *layer)
 {
-    if (sum <= 0) return 0;
-    const uint64_t product = (uint64_t)(uint32_t)sum * (uint32_t)layer->factor[row];
-    const uint64_t y = ((product >> (layer->shift - 1)) + 1) >> 1;
-    return y < (uint32_t)layer->most ? (int32_t)y : layer->most;
+    for (int row = 0; row < layer->outputs; row++) {
+        const uint64_t product = (uint64_t)(uint32_t)y[row] * (uint32_t)layer->factor[row];
+        const uint64_t scaled = ((product >> (layer->shift - 1)) + 1) >> 1;
+        y[row] = scaled < (uint32_t)layer->most ? (int32_t)scaled : layer->most;
+    }
 }
 
 #define HASH_FACTORS(hash, layer, rows) \

@@ -240,6 +240,7 @@ static void what_the_result_held_does_not_matter(void)
     TEST_ASSERT_SAME_BYTES(e.vector, again.vector);
 }
 
+#ifndef EDML_TEST_Q24 /* of the range of floats */
 static void scale_matrix(float scale)
 {
     for (int i = 0; i < N; i++)
@@ -284,6 +285,7 @@ static void nan_and_infinity_end_in_finite_time(void)
         edml_jacobi_f32(&e, &a);
     }
 }
+#endif
 
 int main(void)
 {
@@ -301,8 +303,10 @@ int main(void)
     RUN_TEST(matrices_with_known_eigenvalues);
     RUN_TEST(only_the_upper_triangle_is_read);
     RUN_TEST(what_the_result_held_does_not_matter);
+#ifndef EDML_TEST_Q24
     RUN_TEST(scaling_by_a_power_of_two_scales_values_and_keeps_vectors_bit_for_bit);
     RUN_TEST(entries_from_1e_minus_18_to_1e17);
     RUN_TEST(nan_and_infinity_end_in_finite_time);
+#endif
     return UNITY_END();
 }

@@ -83,6 +83,7 @@ static void the_largest_distances_give_finite_points(void)
     TEST_ASSERT_ERROR_UP_TO(4, worst_distance_error(x, distance));
 }
 
+#ifndef EDML_TEST_Q24 /* whose error is absolute */
 /* The smaller the person, the smaller the error: down to where squares leave float32. */
 static void tiny_people_come_back(void)
 {
@@ -98,6 +99,7 @@ static void tiny_people_come_back(void)
         TEST_ASSERT_ERROR_UP_TO(ldexpf(MDS_TOLERANCE, power), worst_distance_error(x, distance));
     }
 }
+#endif
 
 /* ---- Frame ------------------------------------------------------------------------------------- */
 
@@ -239,7 +241,9 @@ int main(void)
     RUN_TEST(points_on_a_line_come_back_straight);
     RUN_TEST(no_distance_gives_points_at_the_origin);
     RUN_TEST(the_largest_distances_give_finite_points);
+#ifndef EDML_TEST_Q24
     RUN_TEST(tiny_people_come_back);
+#endif
     RUN_TEST(the_centroid_is_the_origin_and_the_axes_are_principal);
     RUN_TEST(turning_moving_and_mirroring_the_person_changes_rounding_only);
     RUN_TEST(what_work_memory_held_does_not_matter);

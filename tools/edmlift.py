@@ -36,6 +36,17 @@ PLACEMENT = np.dtype(
     ],
     align=True,
 )
+# What edml_lift_q24 takes and gives: Q16, confidence Q15.
+KEYPOINT_Q16 = np.dtype([("at", np.int32, 2), ("c", np.int16)], align=True)
+POSE_Q16 = np.dtype(
+    [
+        ("joint", np.int32, (len(JOINTS), 3)),
+        ("mirror_margin", np.int32),
+        ("residual", np.int32),
+        ("seen", np.uint16),
+    ],
+    align=True,
+)
 WORK_BYTES = 4096  # edml_work is at most this; a test holds it to that
 
 
@@ -63,9 +74,12 @@ class Placements:
 
 
 class Library:
-    """The C library; `model` names one of its models, such as "fconn_f32"."""
+    """The C library; `model` names one of its models, such as "fconn_f32".
 
-    def __init__(self, model: str = "fconn_f32", path: Path | None = None):
+    With `fixed`, `lift` is edml_lift_q24, which takes quantised models.
+    """
+
+    def __init__(self, model: str = "fconn_f32", path: Path | None = None, fixed: bool = False):
         path = path or Path(os.environ.get("EDMLIFT_LIBRARY", LIBRARY))
         if not path.exists():
             raise FileNotFoundError(f"{path}: not built; see the head of tools/edmlift.py")
@@ -77,6 +91,7 @@ class Library:
             ("edml_mirror_f32", ctypes.c_float),
         ):
             getattr(self._c, name).restype = result
+        self.fixed = fixed
         self.model = ctypes.addressof(ctypes.c_char.in_dll(self._c, f"edml_{model}"))
         self._work = ctypes.create_string_buffer(WORK_BYTES)
 
@@ -88,21 +103,32 @@ class Library:
         keypoints = np.ascontiguousarray(keypoints, np.float32)
         if keypoints.ndim != 3 or keypoints.shape[1:] != (len(JOINTS), 3):
             raise ValueError(f"keypoints must be [F,{len(JOINTS)},3], not {keypoints.shape}")
-        poses = np.zeros(len(keypoints), POSE)
-        for field in ("joint", "mirror_margin", "residual"):
-            poses[field] = np.nan
+        if self.fixed:
+            poses, status = self._call(self._c.edml_lift_q24, to_q16(keypoints), POSE_Q16)
+            unit = np.float32(1 / 65536)
+        else:
+            poses, status = self._call(self._c.edml_lift, keypoints, POSE)
+            unit = np.float32(1)
+        numbers = [poses[name] * unit for name in ("joint", "mirror_margin", "residual")]
+        for array in numbers:
+            array[status != 0] = np.nan
+        names = np.array([self.status_name(s) for s in range(0, status.min(initial=0) - 1, -1)])
+        return Poses(*numbers, names[-status])
+
+    def _call(self, lift, keypoints: np.ndarray, pose: np.dtype) -> tuple[np.ndarray, np.ndarray]:
+        """Poses [F] and status [F] of a C function that lifts one."""
+        poses = np.zeros(len(keypoints), pose)
         status = np.zeros(len(keypoints), np.int32)
-        lift, model, work = self._c.edml_lift, ctypes.c_void_p(self.model), self._work
+        model, work = ctypes.c_void_p(self.model), self._work
         source, target = keypoints.ctypes.data, poses.ctypes.data
         for i in range(len(keypoints)):
             status[i] = lift(
-                ctypes.c_void_p(target + i * POSE.itemsize),
+                ctypes.c_void_p(target + i * pose.itemsize),
                 ctypes.c_void_p(source + i * keypoints.strides[0]),
                 model,
                 work,
             )
-        names = np.array([self.status_name(s) for s in range(0, status.min(initial=0) - 1, -1)])
-        return Poses(poses["joint"], poses["mirror_margin"], poses["residual"], names[-status])
+        return poses, status
 
     def place(
         self, poses: np.ndarray, keypoints: np.ndarray, camera: tuple[float, float, float, float]
@@ -217,6 +243,15 @@ class Library:
 
 
 OBJECTIVES = ("none", "square", "raw", "eq2")  # edml_objective
+
+
+def to_q16(keypoints: np.ndarray) -> np.ndarray:
+    """Keypoints [F,14,3] as KEYPOINT_Q16 [F,14]; what is out of range, or NaN, its nearest end."""
+    keypoints = np.nan_to_num(np.asarray(keypoints, np.float64), nan=-np.inf)
+    out = np.zeros(keypoints.shape[:2], KEYPOINT_Q16)
+    out["at"] = np.round(np.clip(keypoints[..., :2] * 65536, -(2.0**31), 2.0**31 - 1))
+    out["c"] = np.ceil(np.clip(keypoints[..., 2] * 32768, -(2.0**15), 2.0**15 - 1))
+    return out
 
 
 def _f32(a: np.ndarray) -> np.ndarray:

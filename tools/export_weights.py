@@ -27,7 +27,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import quantise
-from weights import PAIRS, READERS, ExportError, Layer, check_layers, digest, one_line, read_layers
+from weights import (
+    PAIRS,
+    READERS,
+    ExportError,
+    Layer,
+    check_layers,
+    digest,
+    manifest_text,
+    one_line,
+    read_layers,
+)
 
 # What lib/model.h fixes; the header refuses to compile with another format.
 FORMAT = 2
@@ -177,7 +187,7 @@ def quantised(layers: Sequence[Layer], settings: Settings, form: str) -> list[qu
         raise ExportError("manifest: the calibration is of other weights; run with --calibrate")
     if settings.widest > quantise.WIDEST:
         raise ExportError(f"manifest: widest must be up to {quantise.WIDEST} to quantise")
-    return quantise.quantise(layers, calibration["activation"], form)
+    return quantise.quantise(layers, calibration, form)
 
 
 def quantised_lines(network: Sequence[quantise.Dense], settings: Settings, form: str):
@@ -387,9 +397,9 @@ def calibrate(layers: Sequence[Layer], manifest: Path, motion: Path) -> str:
     except (MocapError, OSError) as error:
         raise ExportError(f"{motion}: {one_line(error)}") from error
     noted = quantise.calibrate(layers, edms)
-    text = json.dumps(json.loads(manifest.read_text("utf-8")) | {"calibration": noted}, indent=2)
-    replace_file(manifest, text + "\n")
-    return f"{manifest}: activations reach {noted['activation']} on {noted['views']} training views"
+    known = json.loads(manifest.read_text("utf-8"))
+    replace_file(manifest, manifest_text(known | {"calibration": noted}))
+    return f"{manifest}: hidden layers reach {noted['largest']} on {noted['views']} training views"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,9 +1,10 @@
-"""Builds programs with the library for Cortex-M cores and runs them on emulated boards.
+"""Builds programs with the library for the cores of CMakePresets.json and runs them in QEMU.
 
-Needs arm-none-eabi-gcc with picolibc, which brings the startup code and prints through
-semihosting, and qemu-system-arm.
+Needs arm-none-eabi-gcc or riscv64-unknown-elf-gcc with picolibc, which brings the startup code and
+prints through semihosting, and qemu-system-arm or qemu-system-riscv32.
 """
 
+import json
 import re
 import subprocess
 from dataclasses import dataclass
@@ -12,8 +13,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = sorted((ROOT / "lib").glob("*.c"))
 INCLUDES = [f"-I{ROOT / 'include'}", f"-I{ROOT / 'lib'}"]
-CROSS = "arm-none-eabi-"
-PICOLIBC = "--specs=picolibc.specs"
 
 
 class ToolError(Exception):
@@ -21,41 +20,65 @@ class ToolError(Exception):
 
 
 @dataclass(frozen=True)
-class Target:
-    """A core, and the board of QEMU's that has it."""
+class System:
+    """What the cores of an instruction set share."""
 
-    name: str
-    board: str
-    flags: tuple[str, ...]
-    flash: tuple[int, int] = (0, 0x400000)  # address and size
-    ram: tuple[int, int] = (0x20000000, 0x400000)
-    tick_mhz: int = 25  # of SysTick
+    cross: str  # prefix of compiler and binary utilities
+    flags: tuple[str, ...]  # those of its toolchain file
+    qemu: tuple[str, ...]
+    icount: int  # with `-icount shift=N` an instruction takes 2^N ns
 
 
-HARD = "-mfloat-abi=hard"
-TARGETS = {
-    "cortex-m0": Target(
-        "Cortex-M0",
-        "microbit",
-        ("-mcpu=cortex-m0",),
-        flash=(0, 0x40000),
-        ram=(0x20000000, 0x4000),
-        tick_mhz=16,
+SYSTEMS = {
+    "arm": System(
+        "arm-none-eabi-", ("--specs=picolibc.specs", "-mthumb"), ("qemu-system-arm",), icount=5
     ),
-    "cortex-m3": Target("Cortex-M3", "mps2-an385", ("-mcpu=cortex-m3",)),
-    "cortex-m4f": Target(
-        "Cortex-M4F", "mps2-an386", ("-mcpu=cortex-m4", HARD, "-mfpu=fpv4-sp-d16")
-    ),
-    "cortex-m7": Target("Cortex-M7", "mps2-an500", ("-mcpu=cortex-m7", HARD, "-mfpu=fpv5-sp-d16")),
-    "cortex-m33": Target(
-        "Cortex-M33",
-        "mps2-an505",
-        ("-mcpu=cortex-m33", HARD, "-mfpu=fpv5-sp-d16"),
-        flash=(0x10000000, 0x400000),
-        ram=(0x38000000, 0x400000),
-        tick_mhz=20,
+    "riscv": System(
+        "riscv64-unknown-elf-",
+        ("--specs=picolibc.specs", "-mcmodel=medany"),
+        ("qemu-system-riscv32", "-bios", "none"),
+        icount=0,
     ),
 }
+SYSTICK_MHZ = {"microbit": 16, "mps2-an505": 20, "mps3-an547": 32}  # of the others: 25
+
+
+@dataclass(frozen=True)
+class Target:
+    """A core, and the board of QEMU's that has it (or one that runs its code)."""
+
+    name: str
+    system: System
+    flags: tuple[str, ...]
+    board: str
+    flash: str  # address,size
+    ram: str
+
+    @property
+    def counts(self) -> int:
+        """What its counter counts in 1000 instructions: SysTick, or RISC-V's minstret itself."""
+        if self.system is SYSTEMS["riscv"]:
+            return 1000
+        return SYSTICK_MHZ.get(self.board, 25) << self.system.icount
+
+
+def targets() -> dict[str, Target]:
+    """The presets that name a core."""
+    presets = json.loads((ROOT / "CMakePresets.json").read_text("utf-8"))["configurePresets"]
+    variables = {preset["name"]: preset["cacheVariables"] for preset in presets}
+    found = {}
+    for preset in presets:
+        base = preset.get("inherits")
+        if base in SYSTEMS:
+            has = variables[base] | preset["cacheVariables"]
+            found[preset["name"]] = Target(
+                preset["displayName"], SYSTEMS[base], tuple(has["EDMLIFT_CPU"].split()),
+                has["EDMLIFT_BOARD"], has["EDMLIFT_FLASH"], has["EDMLIFT_RAM"],
+            )  # fmt: skip
+    return found
+
+
+TARGETS = targets()
 
 
 def run(*command: object, **options) -> str:
@@ -79,35 +102,46 @@ def library_flags() -> list[str]:
 
 def compiler(target: Target, level: str) -> list[str]:
     """The compiler's name and flags; level is -Os, -O2 ..."""
+    system = target.system
     return [
-        f"{CROSS}gcc", PICOLIBC, *library_flags(), level, "-mthumb", *target.flags, *INCLUDES
+        f"{system.cross}gcc", *system.flags, *target.flags, *library_flags(), level, *INCLUDES
     ]  # fmt: skip
 
 
-def build(program: Path, target: Target, level: str, folder: Path, stack: int = 2048) -> Path:
-    """An image of a program and the library, in a folder."""
-    places = {
-        "flash": target.flash[0],
-        "flash_size": target.flash[1],
-        "ram": target.ram[0],
-        "ram_size": target.ram[1],
-        "stack_size": stack,
-    }
-    image = folder / f"{program.stem}.elf"
+def compile_library(target: Target, level: str, folder: Path) -> list[Path]:
+    """Object files of the library, in a folder."""
+    objects = [folder / f"{source.stem}.o" for source in SOURCES]
+    for source, item in zip(SOURCES, objects, strict=True):
+        run(*compiler(target, level), "-c", source, "-o", item)
+    return objects
+
+
+def build(
+    program: Path, target: Target, level: str, image: Path, *options: str, library: list[Path]
+) -> Path:
+    """An image of a program and the library's sources or objects."""
+    (flash, flash_size), (ram, ram_size) = target.flash.split(","), target.ram.split(",")
+    places = {"flash": flash, "flash_size": flash_size, "ram": ram, "ram_size": ram_size}
     run(
-        *compiler(target, level), "--oslib=semihost", "--crt0=semihost",
-        "-DPICOLIBC_INTEGER_PRINTF_SCANF", f"-DTICK_MHZ={target.tick_mhz}", "-Wl,--gc-sections",
-        "-Wl," + ",".join(f"--defsym=__{name}={value:#x}" for name, value in places.items()),
-        program, *SOURCES, "-lm", "-o", image,
+        *compiler(target, level), "--oslib=semihost", "--crt0=semihost", "-Wl,--gc-sections",
+        "-DPICOLIBC_INTEGER_PRINTF_SCANF", *options,
+        "-Wl,--defsym=__stack_size=2048",
+        *(f"-Wl,--defsym=__{name}={value}" for name, value in places.items()),
+        program, *library, "-lm", "-o", image,
     )  # fmt: skip
     return image
 
 
 def emulate(image: Path, target: Target, *options: str) -> str:
-    """What an image prints; `-icount shift=7` makes SysTick count instructions."""
+    """What an image prints."""
     return run(
-        "qemu-system-arm", "-M", target.board, *options, "-display", "none", "-monitor", "none",
+        *target.system.qemu, "-M", target.board, *options, "-display", "none", "-monitor", "none",
         "-serial", "none", "-chardev", "stdio,id=out",
         "-semihosting-config", "enable=on,target=native,chardev=out",
         "-kernel", image, stdin=subprocess.DEVNULL,
     )  # fmt: skip
+
+
+def count(image: Path, target: Target) -> str:
+    """What an image prints whose counter counts instructions, `target.counts` in 1000."""
+    return emulate(image, target, "-icount", f"shift={target.system.icount}")

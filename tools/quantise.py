@@ -1,8 +1,10 @@
 """Turns a network into whole numbers, as lib/model.h defines them for edml_dense_q15 and _q7.
 
 Rows of weights have a scale each, as large as the bits of a weight and the 32-bit accumulator
-allow.  What the hidden layers reach on views of the training people (the calibration) decides the
-scale of their activations; larger ones are limited, in C as here, so that no input can overflow.
+allow.  Calibration, on views of the training people, tells what the hidden layers reach, which
+decides the scale of their activations (larger ones are limited, in C as here, so that no input can
+overflow), and what each input of a layer is on average: times the rounding errors of a row, that
+is how far its sum would be off on average, and the bias makes up for it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,6 +26,7 @@ METRE = 1 << 24  # of the distances, Q24
 FARTHEST = 3 * METRE  # what the stages behind the network are made for
 HEADROOM = 1.25  # of the activations over the largest one in calibration
 VANISHING = 1e-6  # weights below it need not tell the scale of their row
+BISECTIONS = 50
 
 
 class Dense(NamedTuple):
@@ -36,50 +39,72 @@ class Dense(NamedTuple):
     most: int
 
 
-def quantise(layers: Sequence[Layer], activation: Sequence[float], form: str) -> list[Dense]:
-    """The network in whole numbers.
-
-    activation  what each hidden layer reaches in calibration, over 0
-    form        "q15" or "q7"
-    Raises ExportError where that cannot be.
-    """
-    scales = [1 << EDM_SHIFT, *(ACTIVATION / (HEADROOM * most) for most in activation), METRE]
+def quantise(layers: Sequence[Layer], calibration: Mapping[str, Any], form: str) -> list[Dense]:
+    """The network in whole numbers, "q15" or "q7"; raises ExportError where that cannot be."""
+    largest, mean = calibration["largest"], calibration["mean"]
+    scales = [1 << EDM_SHIFT, *(ACTIVATION / (HEADROOM * x) for x in largest), METRE]
     dense = []
-    for k, layer in enumerate(layers):
+    for k, (weight, bias) in enumerate(equalised(layers)):
+        rows = Rows(weight, bias, np.array(mean[k]), scales[k])
         most = ACTIVATION if k < len(layers) - 1 else FARTHEST
-        dense.append(quantise_layer(layer, scales[k], scales[k + 1], WEIGHT_TYPES[form], most))
+        dense.append(quantise_layer(rows, scales[k + 1], WEIGHT_TYPES[form], most))
         prove(dense[k], k)
     return dense
 
 
-def quantise_layer(layer: Layer, x_scale: float, y_scale: float, kind: type, most: int) -> Dense:
-    """A layer whose input and output are whole numbers of 1 / x_scale and 1 / y_scale."""
-    weight, bias = layer.weight.astype(float), layer.bias * float(x_scale)
-    scale = row_scales(weight, bias, np.iinfo(kind).max)
-    ratio = y_scale / (scale * x_scale)  # of an output to its sum
+def equalised(layers: Sequence[Layer]) -> list[Layer]:
+    """The same network, in double, with hidden units of another size, which a ReLU lets through.
+
+    A weight that is large only because its unit is small makes its whole row coarse; so a unit is
+    multiplied by the root of the largest weight that reads it, and those weights divided by it.
+    """
+    even = [Layer(weight.astype(float), bias.astype(float)) for weight, bias in layers]
+    for k in range(len(even) - 1):
+        unit, reader = even[k], even[k + 1]
+        peak = np.abs(reader.weight).max(1)
+        size = np.sqrt(np.where(peak > 0, peak, 1))
+        even[k] = Layer(unit.weight * size, unit.bias * size)
+        even[k + 1] = Layer(reader.weight / size[:, None], reader.bias)
+    return even
+
+
+class Rows(NamedTuple):
+    """A layer to be quantised; its input is to be whole numbers of 1 / x_scale."""
+
+    weight: np.ndarray  # [in, out]
+    bias: np.ndarray  # [out]
+    mean: np.ndarray  # [in], of the input
+    x_scale: float
+
+    def rounded(self, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Whole numbers, still in double: weights times their row's scale [out], and biases."""
+        weight = np.rint(self.weight * scale)
+        lost = ((self.weight * scale - weight) * self.mean[:, None]).sum(0)
+        return weight, np.rint((self.bias * scale + lost) * self.x_scale)
+
+
+def quantise_layer(rows: Rows, y_scale: float, kind: type, most: int) -> Dense:
+    """A layer whose output is whole numbers of 1 / y_scale."""
+    scale = largest_scales(rows, np.iinfo(kind).max)
+    ratio = y_scale / (scale * rows.x_scale)  # of an output to its sum
     shift = int(min(62, 30 - np.floor(np.log2(ratio.max()))))
     if shift < 1:
         raise ExportError("a layer's outputs are too large to quantise")
     factor = np.clip(np.rint(ratio * 2.0**shift), 1, WORD - 1)
-    return Dense(
-        np.rint(weight * scale).astype(kind),
-        np.rint(bias * scale).astype(np.int32),
-        factor.astype(np.int32),
-        shift,
-        most,
-    )
+    weight, bias = rows.rounded(scale)
+    return Dense(weight.astype(kind), bias.astype(np.int32), factor.astype(np.int32), shift, most)
 
 
-def row_scales(weight: np.ndarray, bias: np.ndarray, most: int) -> np.ndarray:
+def largest_scales(rows: Rows, most: int) -> np.ndarray:
     """The largest scale [out] of each row, by bisection, with which its weights stay within +-most
-    and its sums within 32 bits.  Whole numbers alone decide, so that it is the same everywhere."""
-    low = np.zeros(len(bias))
-    high = most / np.maximum(np.abs(weight).max(0), VANISHING)
-    for scale in [high, *[None] * 48]:
-        scale = (low + high) / 2 if scale is None else scale
-        lowest, highest = sum_bounds(np.rint(weight * scale), np.rint(bias * scale))
-        fits = (lowest > -WORD) & (highest < WORD)
+    and its sums within 32 bits."""
+    low = np.zeros(len(rows.bias))
+    high = scale = most / np.maximum(np.abs(rows.weight).max(0), VANISHING)
+    for _ in range(BISECTIONS):
+        lowest, highest = sum_bounds(*rows.rounded(scale))
+        fits = (lowest >= -WORD) & (highest < WORD)
         low, high = np.where(fits, scale, low), np.where(fits, high, scale)
+        scale = (low + high) / 2
     return low
 
 
@@ -136,22 +161,32 @@ def training_edms(motion: Path, recipe: Mapping[str, Any]) -> np.ndarray:
     return np.asarray(network.edm_2d(jnp.asarray(keypoints)), float)
 
 
+def activations(layers: Sequence[Layer], edms: np.ndarray) -> list[np.ndarray]:
+    """What goes into each layer, and the distances: the float network on EDMs [F,91]."""
+    values = [edms]
+    for weight, bias in layers:
+        values.append(np.maximum(values[-1] @ weight.astype(float) + bias, 0))
+    return values
+
+
 def calibrate(layers: Sequence[Layer], edms: np.ndarray) -> dict[str, Any]:
     """What quantising needs to know, and how well it does, on EDMs [F,91]: for the manifest."""
-    activations = [edms]
-    for weight, bias in layers:
-        activations.append(np.maximum(activations[-1] @ weight.astype(float) + bias, 0))
-    largest = [round(float(x.max()), 4) for x in activations[1:-1]]
-    if not all(largest):
+    inputs, exact = activations(equalised(layers), edms)[:-1], activations(layers, edms)[-1]
+    calibration = {
+        "weights": digest(layers),
+        "views": len(edms),
+        "largest": [round(float(x.max()), 4) for x in inputs[1:]],
+        "mean": [x.mean(0).round(4).tolist() for x in inputs],
+    }
+    if not all(calibration["largest"]):
         raise ExportError("calibration: a hidden layer is always zero")
     errors = {}
     for form in WEIGHT_TYPES:
-        distances = run(quantise(layers, largest, form), np.rint(edms * METRE)) / METRE
-        error = np.sqrt(np.mean((distances - activations[-1]) ** 2))
-        size = np.sqrt(np.mean(activations[-1] ** 2))
-        percent = 100 * error / size
+        distances = run(quantise(layers, calibration, form), np.rint(edms * METRE)) / METRE
+        error = np.sqrt(np.mean((distances - exact) ** 2))
+        percent = 100 * error / np.sqrt(np.mean(exact**2))
         errors[form] = {"mm": round(float(1000 * error), 3), "percent": round(float(percent), 3)}
-    return {"weights": digest(layers), "views": len(edms), "activation": largest, "rms": errors}
+    return calibration | {"rms": errors}
 
 
 # ---- What the header says ----------------------------------------------------------------------

@@ -29,6 +29,7 @@ import reference
 from mirror import fit_mirror, rigid_errors
 from mocap import MocapError, Motion, load_motion
 from skeleton import LIMBS, PAIRS
+from weights import manifest_text
 
 
 @dataclasses.dataclass(frozen=True)
@@ -364,7 +365,7 @@ def write(run: Run, name: str, validation: dict[str, float], held_out: list[int]
         # Better of pose and reflection, mm; of people who were trained on, if none were held out.
         "validation" if held_out else "training_people": validation,
     }
-    out.with_suffix(".json").write_text(json.dumps(manifest, indent=2) + "\n")
+    out.with_suffix(".json").write_text(manifest_text(manifest))
 
 
 def arguments() -> argparse.Namespace:

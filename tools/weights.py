@@ -5,6 +5,7 @@ Each format is a function path -> layers in READERS; what follows is common to a
 """
 
 import hashlib
+import json
 import re
 import zipfile
 from collections.abc import Callable, Iterable, Mapping
@@ -357,3 +358,10 @@ def digest(layers: Iterable[Layer]) -> str:
         for array in layer:
             sha.update(array.astype("<f4").tobytes())
     return sha.hexdigest()[:16]
+
+
+def manifest_text(manifest: Mapping[str, Any]) -> str:
+    """JSON with each list of numbers on one line, for some are as long as a layer is wide."""
+    numbers = re.compile(r"\[([-+.\deE,\s]+)\]")
+    text = json.dumps(manifest, indent=2)
+    return numbers.sub(lambda match: f"[{' '.join(match[1].split())}]", text) + "\n"

@@ -1,76 +1,78 @@
 /* The stages on made-up poses, each in a function of its own so that its cost can be told.
  *
+ * MODEL is the model; with -DFIXED everything is in fixed point.
+ *
  * SPDX-License-Identifier: MIT
  */
-#include "edmlift.h"
+#ifdef FIXED
+#include "real_q24.h"
+#else
+#include "real_f32.h"
+#endif
+
+#ifndef MODEL
+#define MODEL edml_fconn_f32
+#endif
 
 #define STAGE static __attribute__((noinline)) void
 
-enum { POSES = 64 };
+enum { POSES = 64, STEPS = 10 };
 
-static edml_keypoint poses[POSES][EDML_JOINTS];
-static float edm[EDML_PAIRS], distance[EDML_PAIRS];
-static edml_point x[EDML_JOINTS], refined[EDML_JOINTS];
-static edml_pose lifted[POSES];
-static edml_placement placement;
-static edml_work work;
-static edml_matrix_f32 matrix;
-static edml_eigen_f32 eigen;
+static keypoint in[EDML_JOINTS];
+static real edm[EDML_PAIRS], distance[EDML_PAIRS];
+static point x[EDML_JOINTS];
+static pose out;
+#ifndef FIXED
+static placement placed;
+#endif
+static work_memory work;
 
-/* People of about 400 pixels' height, each joint off by up to 20 pixels. */
-static void make_poses(void)
+/* A person of about 400 pixels' height, each joint off by up to 20 pixels. */
+static void make_pose(int i)
 {
-    static const float person[EDML_JOINTS][2] = {
+    static const int16_t person[EDML_JOINTS][2] = {
         {512, 240}, {508, 301}, {461, 318}, {452, 387}, {489, 440}, {556, 317}, {571, 389},
         {561, 447}, {478, 466}, {470, 561}, {463, 655}, {537, 465}, {551, 556}, {590, 640}};
-    uint32_t seed = 1;
-    for (int i = 0; i < POSES; i++) {
-        for (int j = 0; j < EDML_JOINTS; j++) {
-            float offset[2];
-            for (int k = 0; k < 2; k++) {
-                seed = seed * 1664525U + 1013904223U;
-                offset[k] = (float)(seed >> 16) / 65536.0F * 40.0F - 20.0F;
-            }
-            poses[i][j].x = person[j][0] + offset[0];
-            poses[i][j].y = person[j][1] + offset[1];
-            poses[i][j].c = 1;
+    uint32_t seed = 2654435761U * (uint32_t)(i + 1);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        int32_t at[2]; /* pixels, Q16 */
+        for (int k = 0; k < 2; k++) {
+            seed = seed * 1664525U + 1013904223U;
+            at[k] = (person[j][k] - 20) * 65536 + (int32_t)(seed >> 16) * 40;
         }
+#ifdef FIXED
+        const keypoint seen = {at[0], at[1], 32767};
+#else
+        const keypoint seen = {(float)at[0] / 65536.0F, (float)at[1] / 65536.0F, 1.0F};
+#endif
+        in[j] = seen;
     }
 }
 
-STAGE stage_edm(int i) { edml_edm_f32(edm, poses[i], 10, 100.0F); }
-STAGE stage_net(int i) { (void)i, edml_net_f32(distance, edm, &edml_fconn_f32, &work); }
-STAGE stage_mds(int i) { (void)i, edml_mds_f32(x, distance, &work); }
-STAGE stage_mirror(int i) { (void)i, edml_mirror_f32(x, &edml_fconn_f32); }
-STAGE stage_orient(int i) { edml_orient_f32(x, poses[i], 0x3FFF); }
-STAGE stage_jacobi(int i)
+STAGE stage_edm(void) { NAME(edml_edm)(edm, in, 10, SETTING(MODEL.widest)); }
+STAGE stage_net(void) { NAME(edml_net)(distance, edm, &MODEL, &work); }
+STAGE stage_mds(void) { NAME(edml_mds)(x, distance, &work); }
+STAGE stage_refine(void) { NAME(edml_refine)(x, distance, EDML_STRESS_SQUARE, STEPS, &work); }
+STAGE stage_mirror(void) { NAME(edml_mirror)(x, &MODEL); }
+STAGE stage_orient(void) { NAME(edml_orient)(x, in, 0x3FFF); }
+STAGE stage_lift(void) { NAME(edml_lift)(&out, in, &MODEL, &work); }
+#ifndef FIXED
+STAGE stage_place(void) /* after the lift */
 {
-    (void)i;
-    for (int p = 0, k = 0; p < EDML_JOINTS; p++)
-        for (int q = p + 1; q < EDML_JOINTS; q++) matrix.at[p][q] = distance[k++];
-    edml_jacobi_f32(&eigen, &matrix);
+    static const camera by = {1145, 1145, 500, 500};
+    NAME(edml_place)(&placed, &out, in, &by, &work);
 }
-STAGE stage_lift(int i) { edml_lift(&lifted[i], poses[i], &edml_fconn_f32, &work); }
-STAGE stage_place(int i) /* after the lift */
-{
-    static const edml_camera camera = {1145, 1145, 500, 500};
-    edml_place(&placement, &lifted[i], poses[i], &camera, &work);
-}
-STAGE stage_refine(int i)
-{
-    (void)i;
-    for (int j = 0; j < EDML_JOINTS; j++) refined[j] = x[j];
-    edml_refine_f32(refined, distance, EDML_STRESS_SQUARE, 10, &work);
-}
+#endif
 
-/* In the order in which a lift runs them; the shipped model's lift needs neither the refinement nor
- * all eigenpairs. */
+/* In the order in which data flow; the shipped models' lift goes without the refinement. */
 static const struct {
     const char *name;
-    void (*run)(int pose);
+    void (*run)(void);
 } stages[] = {
-    {"edm", stage_edm},       {"net", stage_net},       {"mds", stage_mds}, {"mirror", stage_mirror},
-    {"orient", stage_orient}, {"refine", stage_refine}, {"jacobi", stage_jacobi}, {"lift", stage_lift},
+    {"edm", stage_edm},       {"net", stage_net},       {"mds", stage_mds},   {"refine", stage_refine},
+    {"mirror", stage_mirror}, {"orient", stage_orient}, {"lift", stage_lift},
+#ifndef FIXED
     {"place", stage_place},
+#endif
 };
 enum { STAGES = (int)(sizeof stages / sizeof stages[0]) };

@@ -13,8 +13,11 @@
 #include <type_traits>
 
 #include "check.h"
+
+extern "C" {
 #include "fixed.h"
 #include "model.h"
+}
 
 extern check_tally tally;
 

@@ -16,16 +16,24 @@ def need(*programs: str) -> None:
             pytest.skip(f"no {program}")
 
 
-def need_cross_compiler() -> None:
-    """Skips the test where the compiler or its C library is missing."""
-    need(f"{firmware.CROSS}gcc")
-    probe = [f"{firmware.CROSS}gcc", firmware.PICOLIBC, "-E", "-x", "c", "-"]
+def need_cross_compiler(target: firmware.Target) -> None:
+    """Skips the test where the core's compiler or its C library is missing."""
+    compiler = f"{target.system.cross}gcc"
+    need(compiler)
+    probe = [compiler, *target.system.flags, *target.flags, "-E", "-x", "c", "-"]
     if subprocess.run(probe, input=b"", capture_output=True).returncode != 0:
-        pytest.skip("no picolibc")
+        pytest.skip(f"no picolibc for {compiler}")
+
+
+def need_core(target: firmware.Target) -> None:
+    """Skips the test where the core's compiler or emulator is missing."""
+    need_cross_compiler(target)
+    need(target.system.qemu[0])
 
 
 def run_firmware(program: Path, target: firmware.Target, folder: Path) -> str:
     """What a program prints on an emulated board."""
-    need_cross_compiler()
-    need("qemu-system-arm")
-    return firmware.emulate(firmware.build(program, target, "-O2", folder), target)
+    need_core(target)
+    image = folder / f"{program.stem}.elf"
+    firmware.build(program, target, "-O2", image, library=firmware.SOURCES)
+    return firmware.emulate(image, target)

@@ -5,31 +5,32 @@ import re
 import pytest
 from builds import need, need_cross_compiler
 
-from firmware import CROSS, INCLUDES, PICOLIBC, SOURCES, TARGETS, library_flags, run
+from firmware import INCLUDES, SOURCES, TARGETS, compiler, library_flags, run
 
 # Arithmetic that a processor lacks: the compiler's own helpers.
-HELPERS = re.compile(r"__aeabi_\w+|__gnu_thumb1_\w+")
+HELPERS = re.compile(r"__aeabi_\w+|__gnu_thumb1_\w+|__[a-z]+?([sd][if]){1,2}\d?")
 ALLOWED = {"sqrtf", "memcpy", "memset"}
 
-COMPILERS = {
-    "gcc": ["gcc"],
-    "clang": ["clang"],
-    "cortex-m0": [f"{CROSS}gcc", PICOLIBC, "-mthumb", *TARGETS["cortex-m0"].flags],
-    "cortex-m4f": [f"{CROSS}gcc", PICOLIBC, "-mthumb", *TARGETS["cortex-m4f"].flags],
-}
+HOSTS = ["gcc", "clang"]
+CORES = ["cortex-m0plus", "cortex-m4f", "rv32imc"]
 
 
-@pytest.fixture(scope="module", params=COMPILERS)
+@pytest.fixture(scope="module", params=[*HOSTS, *CORES])
 def objects(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory):
     """Prefix of the binary utilities, and an object file for each source."""
-    compiler, *flags = COMPILERS[request.param]
-    need_cross_compiler() if compiler.startswith(CROSS) else need(compiler)
+    if request.param in HOSTS:
+        need(request.param)
+        prefix, command = "", [request.param, *library_flags(), "-O2", *INCLUDES]
+    else:
+        target = TARGETS[request.param]
+        need_cross_compiler(target)
+        prefix, command = target.system.cross, compiler(target, "-O2")
     out = tmp_path_factory.mktemp("objects")
     files = []
     for source in SOURCES:
         files.append(out / f"{source.stem}.o")
-        run(compiler, *library_flags(), "-O2", *flags, *INCLUDES, "-c", source, "-o", files[-1])
-    return CROSS if compiler.startswith(CROSS) else "", files
+        run(*command, "-c", source, "-o", files[-1])
+    return prefix, files
 
 
 def symbols(objects, kinds: str) -> set[str]:

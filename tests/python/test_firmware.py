@@ -1,0 +1,111 @@
+"""examples/firmware: the presets build it, and it prints on every core what it prints here."""
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from builds import need, need_core
+
+from firmware import ROOT, TARGETS, Target, emulate, run
+
+EXAMPLE = ROOT / "examples" / "firmware"
+VARIANTS = ["float", "fixed"]
+NO_FPU = ["cortex-m0plus", "cortex-m3", "rv32imc"]
+
+# The compiler's float arithmetic on processors that have none, and what is made with it.
+FLOAT_CODE = re.compile(
+    r"__aeabi_c?[fd]\w+"  # __aeabi_fadd, __aeabi_d2iz, __aeabi_cfcmple
+    r"|__aeabi_u?[il]2[fd]"  # __aeabi_i2f
+    r"|__(add|sub|mul|div|neg|fix|fixuns|float|floatun|extend|trunc|cmp|unord|eq|ne|[lg][te])"
+    r"(si|di)?[sdt]f\w*"  # __addsf3, __fixsfsi, __floatsisf, __gtsf2
+    r"|\w*sqrtf?"
+)
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """What each variant prints on this machine."""
+    need("cmake")
+    folder = tmp_path_factory.mktemp("host")
+    run("cmake", "-S", ROOT, "-B", folder, "-DCMAKE_BUILD_TYPE=Release")
+    run("cmake", "--build", folder, "--target", *(f"firmware_{v}" for v in VARIANTS))
+    return {v: run(folder / "examples" / "firmware" / f"firmware_{v}") for v in VARIANTS}
+
+
+@pytest.fixture(scope="module", params=TARGETS)
+def core(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory):
+    """A preset's name and the folder into which it was built."""
+    need("cmake")
+    need_core(TARGETS[request.param])
+    folder = tmp_path_factory.mktemp(request.param)
+    run("cmake", "--preset", request.param, "-S", ROOT, "-B", folder)
+    run("cmake", "--build", folder)
+    return request.param, folder
+
+
+def test_most_poses_are_lifted_and_both_variants_agree(expected: dict[str, str]) -> None:
+    """To 2 mm, and to 1 % of the margin."""
+    tables = {}
+    for variant, text in expected.items():
+        model, *lines, last = text.splitlines()
+        assert model.endswith(" is intact") and re.fullmatch(r"checksum \w{8}, 0 refused", last)
+        rows = [line.split(",") for line in lines]
+        assert len(rows) == 39 and all(row[1] == "ok" and len(row) == 46 for row in rows)
+        tables[variant] = [[int(cell) for cell in row[:1] + row[2:]] for row in rows]
+    for ours, theirs in zip(*tables.values(), strict=True):
+        assert ours[0] == theirs[0] and abs(ours[1] - theirs[1]) <= 0.01 * theirs[1]
+        assert all(abs(a - b) <= 2 for a, b in zip(ours[2:], theirs[2:], strict=True))
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_a_core_prints_what_this_machine_prints(core, variant: str, expected) -> None:
+    name, folder = core
+    image = folder / "examples" / "firmware" / f"firmware_{variant}.elf"
+    assert emulate(image, TARGETS[name]) == expected[variant]
+
+
+def test_the_readme_shows_what_it_prints(expected: dict[str, str]) -> None:
+    text = (EXAMPLE / "README.md").read_text("utf-8")
+    shown = text.partition("and prints\n\n```\n")[2].partition(" ...\n```")[0]
+    assert len(shown) > 50 and expected["fixed"].startswith(shown)
+
+
+def test_cmake_runs_it(expected: dict[str, str], core) -> None:
+    _, folder = core
+    said = run("cmake", "--build", folder, "--target", "run_fixed")
+    assert expected["fixed"] in said
+
+
+def float_code(image: Path, target: Target) -> set[str]:
+    """Functions of an image that are float arithmetic."""
+    lines = run(f"{target.system.cross}nm", image).splitlines()
+    names = {line.split()[-1] for line in lines}
+    return {name for name in names if FLOAT_CODE.fullmatch(name)}
+
+
+@pytest.mark.parametrize("core", NO_FPU, indirect=True)
+def test_fixed_point_has_no_float_code(core) -> None:
+    name, folder = core
+    images = folder / "examples" / "firmware"
+    assert float_code(images / "firmware_fixed.elf", TARGETS[name]) == set()
+    found = float_code(images / "firmware_float.elf", TARGETS[name])
+    assert len(found) >= 8, "the test sees what the float variant has"
+
+
+def test_vendored_with_its_makefile(tmp_path: Path, expected: dict[str, str]) -> None:
+    need("make")
+    need_core(TARGETS["cortex-m3"])
+    for folder in ("include", "lib"):
+        shutil.copytree(ROOT / folder, tmp_path / folder)
+    (tmp_path / "gen").mkdir()
+    for file in [*(ROOT / "gen").glob("*.h"), *EXAMPLE.iterdir()]:
+        shutil.copy(file, tmp_path / ("gen" if file.parent.name == "gen" else ""))
+    run("make", "-s", "-C", tmp_path)
+    assert emulate(tmp_path / "firmware.elf", TARGETS["cortex-m3"]) == expected["fixed"]
+
+
+def test_the_table_is_the_sample_walk() -> None:
+    need("sed")
+    made = run("sed", "-f", EXAMPLE / "walk.sed", ROOT / "examples" / "data" / "walk.csv")
+    assert made == (EXAMPLE / "walk.inc").read_text("utf-8")

@@ -1,0 +1,195 @@
+/* The fixed-point stages in numbers that watch themselves (check/): nothing overflows, whatever was
+ * accepted, and results are those of the library bit for bit.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <stdio.h>
+
+#include "check.h"
+#include "helpers.h"
+
+enum { ROOM = 1 << 29, THREE_METRES = 3 << 24 };
+
+static edml_work_q24 work;
+static edml_keypoint_q16 in[EDML_JOINTS];
+static const edml_model *const models[] = {&edml_fconn_q15, &edml_fconn_q7};
+
+static check_tally worst, total;
+static long lifts;
+
+static void keep_worst(const check_tally *taken)
+{
+    if (taken->sums > worst.sums) worst.sums = taken->sums;
+    if (taken->products > worst.products) worst.products = taken->products;
+    if (taken->ratios > worst.ratios) worst.ratios = taken->ratios;
+    if (taken->roots > worst.roots) worst.roots = taken->roots;
+    total.sums += taken->sums;
+    total.products += taken->products;
+    total.ratios += taken->ratios;
+    total.roots += taken->roots;
+    lifts++;
+}
+
+static int lift_both(const edml_model *model)
+{
+    edml_pose_q16 expected, found;
+    check_tally taken;
+    memset(&expected, 0, sizeof expected);
+    memset(&found, 0, sizeof found);
+    const edml_status status = edml_lift_q24(&expected, in, model, &work);
+    TEST_ASSERT_EQUAL_INT(status, check_lift(&found, in, model, &taken));
+    TEST_ASSERT_SAME_BYTES(expected, found);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    if (status == EDML_OK) keep_worst(&taken);
+    return status == EDML_OK;
+}
+
+/* ---- Lifts --------------------------------------------------------------------------------------- */
+
+static void people(void)
+{
+    rng r = rng_seed(81);
+    for (int n = 0; n < 2000; n++) {
+        edml_point x[EDML_JOINTS];
+        edml_keypoint image[EDML_JOINTS];
+        random_human(&r, x);
+        photograph(image, x);
+        for (int j = 0; j < EDML_JOINTS; j++)
+            if (n % 3 == 0 && rng_bits(&r) % 8 == 0) image[j].c = 0;
+        to_q16(in, image);
+        lift_both(models[n % 2]);
+    }
+    printf("operations a lift, mean (largest): sums %ld (%ld), products %ld (%ld), ratios %ld (%ld), "
+           "roots %ld (%ld)\n",
+           total.sums / lifts, worst.sums, total.products / lifts, worst.products,
+           total.ratios / lifts, worst.ratios, total.roots / lifts, worst.roots);
+}
+
+/* Anything of any size; about half is refused. */
+static void scattered_joints(void)
+{
+    rng r = rng_seed(82);
+    int lifted = 0;
+    for (int n = 0; n < 20000; n++) {
+        const int shift = 3 + n % 17;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x = (int32_t)(rng_bits(&r) >> shift);
+            in[j].y = (int32_t)(rng_bits(&r) >> shift);
+            in[j].c = (int16_t)(n % 5 == 0 ? rng_bits(&r) % 4 : 1);
+        }
+        lifted += lift_both(models[n % 2]);
+    }
+    TEST_ASSERT_TRUE(lifted > 5000);
+}
+
+/* Every joint at an edge or a corner of the widest box there may be, here and at the ends of the
+ * range: the largest moments, and the largest differences. */
+static void corners_of_the_widest_boxes(void)
+{
+    rng r = rng_seed(83);
+    int lifted = 0;
+    for (int n = 0; n < 20000; n++) {
+        const int32_t half = n % 2 ? (ROOM - 1) / 3 : 40 << 16;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x = rng_bits(&r) & 1 << 16 ? 3 * half : -3 * half;
+            in[j].y = rng_bits(&r) & 1 << 16 ? half : -half;
+            if (rng_bits(&r) >> 29 == 0) in[j].x = in[j].y = 0;
+            in[j].c = 1;
+        }
+        lifted += lift_both(models[n / 2 % 2]);
+    }
+    TEST_ASSERT_TRUE(lifted > 5000);
+}
+
+static void boxes_at_the_ends_of_the_range(void)
+{
+    rng r = rng_seed(84);
+    for (int n = 0; n < 20000; n++) {
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            const int32_t ends[] = {ROOM - 1, 1 - ROOM, INT32_MAX, INT32_MIN, 0, 1, -1, 1 << 16};
+            const uint32_t choice = n % 4 ? 2 : 8;
+            in[j].x = ends[rng_bits(&r) % choice] / (1 + n % 3);
+            in[j].y = ends[(rng_bits(&r) >> 8) % choice];
+            in[j].c = 1;
+        }
+        lift_both(models[n % 2]);
+    }
+}
+
+/* ---- Distances that no network need give --------------------------------------------------------- */
+
+static void check_distances(const int32_t distance[EDML_PAIRS])
+{
+    int32_t x[EDML_JOINTS][3];
+    check_tally taken;
+    check_points(x, distance, in, &edml_fconn_q15, &taken);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    for (int objective = EDML_STRESS_SQUARE; objective <= EDML_STRESS_EQ2; objective++) {
+        check_refine(x, distance, (edml_objective)objective, 6, &taken);
+        TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    }
+}
+
+static void an_image(rng *r)
+{
+    edml_point x[EDML_JOINTS];
+    edml_keypoint image[EDML_JOINTS];
+    random_human(r, x);
+    photograph(image, x);
+    to_q16(in, image);
+}
+
+static void any_distances_up_to_three_metres(void)
+{
+    rng r = rng_seed(85);
+    int32_t distance[EDML_PAIRS];
+    for (int n = 0; n < 600; n++) {
+        an_image(&r);
+        const int shift = n % 20;
+        for (int k = 0; k < EDML_PAIRS; k++)
+            distance[k] = (int32_t)(rng_bits(&r) % (THREE_METRES + 1)) >> shift;
+        check_distances(distance);
+    }
+}
+
+/* Zero or three metres: the matrices of the largest norm. */
+static void distances_of_nothing_and_three_metres(void)
+{
+    rng r = rng_seed(86);
+    int32_t distance[EDML_PAIRS];
+    for (int n = 0; n < 600; n++) {
+        an_image(&r);
+        for (int k = 0; k < EDML_PAIRS; k++)
+            distance[k] = rng_bits(&r) % 8 < (uint32_t)(n % 9) ? THREE_METRES : 0;
+        check_distances(distance);
+    }
+}
+
+/* Two, three or four crowds: as many joints as possible in each of a few places. */
+static void crowds_three_metres_apart(void)
+{
+    rng r = rng_seed(87);
+    int32_t distance[EDML_PAIRS];
+    for (int n = 0; n < 300; n++) {
+        uint32_t place[EDML_JOINTS];
+        an_image(&r);
+        for (int j = 0; j < EDML_JOINTS; j++) place[j] = rng_bits(&r) % (uint32_t)(2 + n % 3);
+        for (int i = 0; i < EDML_JOINTS; i++)
+            for (int j = i + 1; j < EDML_JOINTS; j++)
+                distance[EDML_PAIR(i, j)] = place[i] == place[j] ? 0 : THREE_METRES;
+        check_distances(distance);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(people);
+    RUN_TEST(scattered_joints);
+    RUN_TEST(corners_of_the_widest_boxes);
+    RUN_TEST(boxes_at_the_ends_of_the_range);
+    RUN_TEST(any_distances_up_to_three_metres);
+    RUN_TEST(distances_of_nothing_and_three_metres);
+    RUN_TEST(crowds_three_metres_apart);
+    return UNITY_END();
+}
