@@ -139,7 +139,7 @@ typedef struct {
  *   work    may be that of the lift
  * What the size of the person is off by, the distance is off by, too: one image shows no more.
  * Besides EDML_ERR_ARGUMENT and EDML_ERR_NOT_FINITE (also of a joint beyond 4 m):
- *   EDML_ERR_TOO_FEW_JOINTS  fewer than 6 joints seen
+ *   EDML_ERR_TOO_FEW_JOINTS  fewer than 7 joints seen
  *   EDML_ERR_DEGENERATE      joints or image on a line, or under 1/64 m or 1/4 degree (RMS)
  *   EDML_ERR_CAMERA          not a camera; a joint seen more than 63 degrees off its axis or 60 off
  *                            the person; a joint behind it, or much nearer than the person; a person
