@@ -4,12 +4,40 @@
  */
 #include "fixed.h"
 
-int32_t edml__divide_q24(int64_t a, int64_t b)
+/* One digit of base 2^16 of a quotient (D. Knuth, "The Art of Computer Programming" 2, 4.3.1,
+ * algorithm D): of left 2^16 + next by the divisor, whose top bit is set; left < divisor.  Keeps the
+ * remainder. */
+static uint32_t next_digit(uint32_t *left, uint32_t next, uint32_t divisor)
 {
-    const uint64_t n = (a < 0 ? 0 - (uint64_t)a : (uint64_t)a) << 24; /* < 2^63 */
-    const uint64_t d = b < 0 ? 0 - (uint64_t)b : (uint64_t)b;
-    const int32_t quotient = (int32_t)((n + d / 2) / d);
-    return (a < 0) == (b < 0) ? quotient : -quotient;
+    const uint32_t high = divisor >> 16, low = divisor & 0xFFFF;
+    uint32_t digit = *left / high; /* too large by two at most */
+    const uint32_t taken = digit * low;
+    uint32_t rest = (*left - digit * high) << 16 | next;
+    for (int n = 0; n < 2 && rest < taken; n++) {
+        digit--;
+        rest += divisor;
+        if (rest < divisor) break; /* beyond 2^32, above `taken` */
+    }
+    *left = rest - taken;
+    return digit;
+}
+
+int32_t edml__divide_q24(int32_t a, int32_t b)
+{
+    uint32_t divisor = b < 0 ? 0 - (uint32_t)b : (uint32_t)b;
+    int shift = 0; /* makes the divisor's top bit set */
+    for (int step = 16; step > 0; step /= 2) {
+        if (divisor >> (32 - step) != 0) continue;
+        divisor <<= step;
+        shift += step;
+    }
+    /* |a| < 128 |b|: below 2^39 once shifted, and 2^63 in Q24; its upper word is below the divisor. */
+    const uint64_t n = (uint64_t)(a < 0 ? 0 - (uint32_t)a : (uint32_t)a) << (24 + shift);
+    uint32_t left = (uint32_t)(n >> 32);
+    const uint32_t high = next_digit(&left, (uint32_t)n >> 16, divisor);
+    const uint32_t low = next_digit(&left, (uint32_t)n & 0xFFFF, divisor);
+    const uint32_t quotient = (high << 16 | low) + (left >= divisor - left); /* 2 left >= divisor */
+    return (a < 0) == (b < 0) ? (int32_t)quotient : -(int32_t)quotient;
 }
 
 /* Digit by digit, base 2: the root of n >= 2^30, between 2^15 and 2^16; leaves n - root^2 <= 2 root. */

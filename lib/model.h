@@ -20,6 +20,14 @@ enum {
     EDML_EDM_SHIFT = 12      /* its input is the EDM in Q24 shifted right by this: Q12, below 8 */
 };
 
+/* A function that must not be inlined: its caller goes deeper once it is done, and what it had on the
+ * stack would still be there. */
+#ifdef __GNUC__
+#define EDML_APART __attribute__((noinline))
+#else
+#define EDML_APART
+#endif
+
 /* A layer of a network.  Rows of weights are grouped by EDML_ROWS; a group holds, input by input,
  * the weights of its rows.  The last group is filled up with zeros. */
 

@@ -3,7 +3,7 @@
  *
  *   real, wide    a number; one that holds sums beyond the range of a real
  *   REAL(c)       a constant, SETTING(n) an edml_number of the model
- *   MUL DIV SQRT  of reals; DIV and SQRT take wides, too; DIV is a ratio of any two like numbers
+ *   MUL DIV SQRT  of reals; DIV is a ratio of any two like numbers
  *   HYPOT NORM    length of a vector of two and of three
  *   ABS NARROW    absolute value; a wide that is known to fit as a real
  *   EPSILON       what rounding may leave of a zero, absolutely; a float's rounding is relative

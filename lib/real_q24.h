@@ -48,7 +48,7 @@ static inline real mul_q24(real a, real b)
     return (real)(((int64_t)a * b + (1 << 23)) >> 24);
 }
 
-static inline real sqrt_q24(wide a) /* < 2^14 */
+static inline real sqrt_q24(real a)
 {
     return a > 0 ? (real)edml__root((uint64_t)a << 24) : 0;
 }

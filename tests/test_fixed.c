@@ -58,14 +58,13 @@ static void roots_of_random_numbers_of_every_size(void)
 
 /* ---- Ratio --------------------------------------------------------------------------------------- */
 
-/* |q b - a 2^24| <= |b| / 2: to the nearest. */
+/* -|b| / 2 < |q b| - |a 2^24| <= |b| / 2: to the nearest, halves away from zero. */
 static void check_ratio(int64_t a, int64_t b)
 {
-    const int64_t q = edml__divide_q24(a, b);
-    const uint64_t wanted = (uint64_t)(a < 0 ? -a : a) << 24;
-    const uint64_t found = (uint64_t)(q < 0 ? -q : q) * (uint64_t)(b < 0 ? -b : b);
-    const uint64_t error = wanted > found ? wanted - found : found - wanted;
-    TEST_ASSERT_TRUE(error <= (uint64_t)(b < 0 ? -b : b) / 2);
+    const int64_t q = edml__divide_q24((int32_t)a, (int32_t)b);
+    const int64_t wanted = (a < 0 ? -a : a) << 24;
+    const int64_t error = (q < 0 ? -q : q) * (b < 0 ? -b : b) - wanted;
+    TEST_ASSERT_TRUE(2 * error <= (b < 0 ? -b : b) && -2 * error < (b < 0 ? -b : b));
     TEST_ASSERT_TRUE(q == 0 || (q < 0) == ((a < 0) != (b < 0)));
 }
 
@@ -73,19 +72,19 @@ static void ratios_of_small_numbers(void)
 {
     for (int a = -400; a <= 400; a++)
         for (int b = -400; b <= 400; b++)
-            if (b != 0 && abs(a) < 127 * abs(b)) check_ratio(a, b);
+            if (b != 0 && abs(a) < 128 * abs(b)) check_ratio(a, b);
 }
 
 /* Numerators and divisors of every size whose ratio fits. */
 static void ratios_of_random_numbers_of_every_size(void)
 {
     rng r = rng_seed(73);
-    for (int bits = 1; bits <= 39; bits++) {
-        for (int smaller = 1; smaller <= 39; smaller++) {
-            for (int n = 0; n < 300; n++) {
-                const int64_t a = (int64_t)(bits64(&r) >> (64 - bits));
-                const int64_t b = (int64_t)(bits64(&r) >> (64 - smaller)) + 1;
-                if (a / 127 >= b) continue;
+    for (int bits = 1; bits <= 31; bits++) {
+        for (int smaller = 1; smaller <= 31; smaller++) {
+            for (int n = 0; n < 1000; n++) {
+                const int64_t a = rng_bits(&r) >> (32 - bits);
+                const int64_t b = rng_bits(&r) >> (32 - smaller);
+                if (a >= 128 * b) continue;
                 check_ratio(a, b);
                 check_ratio(-a, b);
                 check_ratio(a, -b);
@@ -97,14 +96,16 @@ static void ratios_of_random_numbers_of_every_size(void)
 
 static void ratios_at_the_ends(void)
 {
-    const int64_t largest = (INT64_C(1) << 39) - 1;
-    check_ratio(largest, largest);
-    check_ratio(-largest, largest);
-    check_ratio(largest, largest / 127);
-    check_ratio(1, largest);
-    check_ratio(0, 1);
-    check_ratio(0, -largest);
-    check_ratio(127, 1);
+    static const int64_t ends[] = {INT32_MIN, INT32_MIN + 1, INT32_MAX - 1, INT32_MAX,
+                                   1 << 30, (1 << 30) - 1, (1 << 24) + 1, (1 << 24) - 1,
+                                   0xFFFF, 0x10000, 0x10001, 0x7FFF0000, 0x7FFFFFFE, 1, -1};
+    for (int i = 0; i < 15; i++) {
+        check_ratio(0, ends[i]);
+        for (int j = 0; j < 15; j++)
+            if (llabs(ends[i]) < 128 * llabs(ends[j])) check_ratio(ends[i], ends[j]);
+    }
+    for (int64_t b = 1; b < 1 << 24; b += 1 + b / 50) /* the largest quotients there are */
+        check_ratio(128 * b - 1, b);
 }
 
 static void halves_go_away_from_zero(void)

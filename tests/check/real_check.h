@@ -124,20 +124,17 @@ static inline real check_mul(real a, real b)
     return real::from(((__int128)a.value() * b.value() + (1 << 23)) >> 24);
 }
 
-static inline real check_div(wide a, wide b)
+static inline real check_div(real a, real b)
 {
     tally.ratios++;
-    const int64_t n = a.value(), d = b.value(), limit = INT64_C(1) << 39;
-    const bool fits = d != 0 && n > -limit && n < limit;
-    const __int128 wanted = fits ? ((__int128)n << 24) / d : 0;
-    if (!fits || wanted > INT32_MAX || wanted < -INT32_MAX) return tally.overflows++, real(0);
-    return real::from(edml__divide_q24(n, d));
+    const int64_t n = (int64_t)a.value() * (1 << 24), d = b.value();
+    if (d == 0 || n / d >= INT32_MAX || n / d <= -INT32_MAX) return tally.overflows++, real(0);
+    return real::from(edml__divide_q24(a.value(), b.value()));
 }
 
-static inline real check_sqrt(wide a)
+static inline real check_sqrt(real a)
 {
     tally.roots++;
-    if (a >= wide(INT32_MAX) * 128) tally.overflows++;
     return a > 0 ? real::from(edml__root((uint64_t)a.value() << 24)) : real(0);
 }
 
