@@ -187,6 +187,25 @@ typedef struct edml_work_q24 edml_work_q24;
 edml_status edml_lift_q24(edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS],
                           const edml_model *model, edml_work_q24 *work);
 
+typedef struct {
+    int32_t fx, fy, cx, cy; /* pixels, Q16, each under 8192 */
+} edml_camera_q16;
+
+typedef struct {
+    edml_point_q16 joint[EDML_JOINTS], rotation[3], translation; /* as in edml_placement, Q16 */
+    int32_t reprojection;                                        /* Q16, pixels */
+    uint16_t steps;
+} edml_placement_q16;
+
+/* edml_place() and edml_place_sweep() on whole numbers; width and height under 4096 pixels, Q16. */
+edml_status edml_place_q24(edml_placement_q16 *placement, const edml_pose_q16 *pose,
+                           const edml_keypoint_q16 in[EDML_JOINTS], const edml_camera_q16 *camera,
+                           edml_work_q24 *work);
+edml_status edml_place_sweep_q24(edml_placement_q16 *placement, edml_camera_q16 *camera,
+                                 const edml_pose_q16 *pose,
+                                 const edml_keypoint_q16 in[EDML_JOINTS], int32_t width,
+                                 int32_t height, edml_work_q24 *work);
+
 /* ---- The stages, in the order in which data flow ------------------------------------------ */
 
 typedef struct {

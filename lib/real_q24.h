@@ -20,6 +20,9 @@ typedef edml_point_q24 point;
 typedef edml_pose_q16 pose;
 typedef edml_work_q24 work_memory;
 typedef edml_rotation_q24 rotation;
+typedef edml_camera_q16 camera;
+typedef edml_placement_q16 placement;
+typedef edml_point_q16 placed_point;
 
 #define NAME(x) x##_q24
 
@@ -34,6 +37,8 @@ typedef edml_rotation_q24 rotation;
 #define ABS(a) ((a) < 0 ? -(a) : (a))
 #define NARROW(sum) ((real)(sum))
 #define RESULT(a) (((a) + 128) >> 8)
+#define GIVEN(a) ((a) * 256)             /* |a| < 128 */
+#define SQUARE(a) ((wide)square_q24(a))  /* Q48 */
 
 #define FINITE(a) ((a) > -(1 << 29) && (a) < 1 << 29) /* 8192 pixels; confidences always */
 #define EXACT_TO (256 << 16) /* pixels: 24 bits, as many as a float has */

@@ -58,6 +58,22 @@
 #define ORIENT_EVEN_TOLERANCE 5e-6F  /* the same spread on all axes: no bias is left */
 #define ORIENT_FRAME_TOLERANCE 5e-5F /* rounding, enlarged by the division by a thin spread */
 
+/* ---- Camera ---- */
+/* Exact points of people 2 to 12 m away: degrees, share of the distance, pixels; and 1.6 to 60 m away.
+ * Keypoints are rounded to 6e-8 of their coordinates, 3e-5 pixels. */
+#define PLACE_DEGREES 0.002F
+#define PLACE_SHARE 1e-5F
+#define PLACE_PIXELS 0.001F
+#define PLACE_FAR_DEGREES 0.01F
+#define PLACE_FAR_SHARE 1e-4F
+#define PLACE_JOINT 1e-4F        /* metres */
+#define PLACE_FLAT_PIXELS 0.1F
+#define PLACE_FLAT_SHARE 0.01F
+#define PLACE_FLAT_LOST 3
+#define PLACE_NOISY_PIXELS 0.002F
+#define PLACE_AXES 0.002F        /* metres, with noise of 5 pixels: the steps end a little apart */
+#define PLACE_SWEEP_SHARE 0.01F
+
 /* ---- Lift ---- */
 #define LIFT_TOLERANCE 0.003F /* the tilt above: the person of helpers.c has 2 % in depth */
 #define LIFT_SCALED_TOLERANCE 1e-3F /* input rounded anew: a smooth network makes little of it */
