@@ -81,6 +81,18 @@ struct rotation {
     uint8_t p, q;
 };
 
+typedef edml_point_q16 placed_point;
+
+struct camera {
+    pixels fx, fy, cx, cy;
+};
+
+struct placement {
+    placed_point joint[EDML_JOINTS], rotation[3], translation;
+    pixels reprojection;
+    uint16_t steps;
+};
+
 #define NAME(x) x##_check
 
 struct NAME(edml_matrix) {
@@ -114,6 +126,8 @@ struct work_memory {
 #define ABS(a) ((a) < 0 ? -(a) : (a))
 #define NARROW(sum) real::from((sum).value())
 #define RESULT(a) (((a) + 128).value() >> 8)
+#define GIVEN(a) (real(a) * 256)
+#define SQUARE(a) check_square(a)
 #define FINITE(a) ((a) > -(1 << 29) && (a) < 1 << 29)
 #define EXACT_TO (256 << 16)
 #define RUNS(model) ((model)->predict_q24 != NULL)
@@ -122,6 +136,12 @@ static inline real check_mul(real a, real b)
 {
     tally.products++;
     return real::from(((__int128)a.value() * b.value() + (1 << 23)) >> 24);
+}
+
+static inline wide check_square(real a)
+{
+    tally.products++;
+    return wide::from((__int128)a.value() * a.value());
 }
 
 static inline real check_div(real a, real b)
