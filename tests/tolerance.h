@@ -81,6 +81,10 @@
 #define PLACE_FLAT_LOST 0
 #define PLACE_SWEEP_SHARE 0.01F
 
+#define STEP_ROTATION 1e-5F /* radians; where the best is twice as good as the next, or more */
+#define STEP_TRACE 2e-3F    /* of entries to 3: where two are nearly as good, either may be found */
+#define STEP_ERROR 1e-4F    /* relative: rounding at the minimum */
+
 /* ---- Lift ---- */
 #define LIFT_TOLERANCE 0.003F /* the tilt above: the person of helpers.c has 2 % in depth */
 #define LIFT_SCALED_TOLERANCE 1e-3F /* input rounded anew: a smooth network makes little of it */
