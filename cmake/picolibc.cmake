@@ -1,10 +1,7 @@
-# What the toolchain files share: picolibc, the board that QEMU imitates, its memory.
+# What the toolchain files share: picolibc, the memory of EDMLIFT_BOARD, QEMU that imitates it.
 #
 # Programs print through semihosting and end with an exit status, and `cmake` runs them in QEMU.
 # EDMLIFT_FLASH and EDMLIFT_RAM are ADDRESS,SIZE.
-set(EDMLIFT_BOARD mps2-an385 CACHE STRING "Board that qemu -M knows")
-set(EDMLIFT_FLASH 0,0x400000 CACHE STRING "Address and size of the flash")
-set(EDMLIFT_RAM 0x20000000,0x400000 CACHE STRING "Address and size of the RAM")
 set(EDMLIFT_LIBM m CACHE STRING "Library of sqrtf()")
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES EDMLIFT_CPU)

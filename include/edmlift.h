@@ -287,7 +287,9 @@ void edml_orient_f32(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOIN
 
 /* What the stage of the same name above does, in Q24.  Ranges are narrower, and not checked:
  * distances 0 to 3 m; matrices of a Frobenius norm up to 90, whose eigenpairs come out to 2^-20 or
- * so, absolutely; `widest` up to 3.75; points of edml_mds_q24(). */
+ * so, absolutely; `widest` up to 3.75; points of edml_mds_q24().  Those to be refined may be any
+ * within 63 m on each axis, but where two are 8 m or more apart they stay as they are.  A stress
+ * above 64 is given as 64. */
 typedef struct {
     int32_t x, y, z; /* metres, Q24 */
 } edml_point_q24;

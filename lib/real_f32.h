@@ -6,11 +6,13 @@
  *   MUL DIV SQRT  of reals; DIV is a ratio of any two like numbers
  *   HYPOT NORM    length of a vector of two and of three
  *   ABS NARROW    absolute value; a wide that is known to fit as a real
+ *   PRODUCT       of two reals, as a wide of finer fraction, for sums of up to 2^23
+ *   AS_REAL       a sum of PRODUCTs as a real; one beyond +-64 as that
+ *   IN_REACH      are points apart by the root of this near enough?  ENDLESS: a wide above all sums
  *   EPSILON       what rounding may leave of a zero, absolutely; a float's rounding is relative
  *   FINITE        is a coordinate a number and in range?
  *   EXACT_TO      coordinates are rounded like ones of this magnitude, or more coarsely
  *   RESULT GIVEN  a real as the pose holds it, and back
- *   SQUARE        of a real, finer than a real: for sums that are only compared
  *   RUNS          can this arithmetic run that model?
  *
  * The ranges in the stages' comments are what fixed point relies on.
@@ -51,9 +53,12 @@ typedef edml_point placed_point;
 #define NORM(a, b, c) sqrtf((a) * (a) + (b) * (b) + (c) * (c))
 #define ABS(a) fabsf(a)
 #define NARROW(sum) (sum)
+#define PRODUCT(a, b) ((a) * (b))
+#define AS_REAL(sum) (sum)
+#define IN_REACH(square) 1
+#define ENDLESS HUGE_VALF
 #define RESULT(a) (a)
 #define GIVEN(a) (a)
-#define SQUARE(a) ((a) * (a))
 
 #define FINITE(a) ((a) - (a) == 0.0F) /* false for NaN and infinity */
 #define EXACT_TO 0.0F

@@ -36,9 +36,12 @@ typedef edml_point_q16 placed_point;
 #define NORM(a, b, c) hypot_q24(a, b, c) /* the same */
 #define ABS(a) ((a) < 0 ? -(a) : (a))
 #define NARROW(sum) ((real)(sum))
+#define PRODUCT(a, b) product_q40(a, b)
+#define AS_REAL(sum) saturate_q40(sum)
+#define IN_REACH(square) ((square) < 64 << 24) /* m^2 */
+#define ENDLESS INT64_MAX
 #define RESULT(a) (((a) + 128) >> 8)
 #define GIVEN(a) ((a) * 256)             /* |a| < 128 */
-#define SQUARE(a) ((wide)square_q24(a))  /* Q48 */
 
 #define FINITE(a) ((a) > -(1 << 29) && (a) < 1 << 29) /* 8192 pixels; confidences always */
 #define EXACT_TO (256 << 16) /* pixels: 24 bits, as many as a float has */
@@ -51,6 +54,17 @@ typedef char shifts_are_arithmetic[(-3 >> 1) == -2 ? 1 : -1];
 static inline real mul_q24(real a, real b)
 {
     return (real)(((int64_t)a * b + (1 << 23)) >> 24);
+}
+
+static inline wide product_q40(real a, real b) /* rounded down */
+{
+    return ((int64_t)a * b) >> 8;
+}
+
+static inline real saturate_q40(wide sum)
+{
+    const wide most = (wide)64 << 40;
+    return (real)(((sum > most ? most : sum < -most ? -most : sum) + (1 << 15)) >> 16);
 }
 
 static inline real sqrt_q24(real a)

@@ -1,5 +1,6 @@
-/* Prints a checksum of all that the library computes on hard input: every compiler, level of
- * optimisation and processor must print the same (tests/python/test_bits.py).
+/* Prints a checksum of all that the library computes on hard input, in float and in fixed point: every
+ * compiler, level of optimisation and processor must print what bits.txt has
+ * (tests/python/test_bits.py).
  *
  * The input comes from whole numbers and single float operations, so that it is the same as well.
  *
@@ -13,8 +14,9 @@
 enum { POSES = 200, MATRICES = 12, SHAPES = 12, STEPS = 6 };
 
 static edml_work work;
-static uint64_t hash = 14695981039346656037U; /* FNV-1a */
-static uint32_t state = 1;
+static edml_work_q24 work_q24;
+static uint64_t hash; /* FNV-1a */
+static uint32_t state;
 
 static void add_bytes(const void *data, size_t size)
 {
@@ -49,7 +51,7 @@ static void hard_pose(edml_keypoint in[EDML_JOINTS], int n)
     if (n % 50 == 47) in[draw(EDML_JOINTS)].x /= 0.0F * in[0].c; /* infinity */
 }
 
-static int lift_poses(void)
+static int lift_poses(const edml_model *model)
 {
     int lifted = 0;
     for (int n = 0; n < POSES; n++) {
@@ -57,7 +59,35 @@ static int lift_poses(void)
         edml_pose pose;
         memset(&pose, 0, sizeof pose);
         hard_pose(in, n);
-        const int8_t status = (int8_t)edml_lift(&pose, in, &edml_fconn_f32, &work);
+        const int8_t status = (int8_t)edml_lift(&pose, in, model, &work);
+        add_bytes(&status, sizeof status);
+        add_bytes(&pose, sizeof pose);
+        lifted += status == EDML_OK;
+    }
+    return lifted;
+}
+
+/* To Q16; what is out of range, its nearest end. */
+static int32_t fixed(float pixels)
+{
+    return pixels < 8192.0F ? (int32_t)(pixels * 65536.0F) : INT32_MAX;
+}
+
+static int lift_poses_q24(const edml_model *model)
+{
+    int lifted = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint image[EDML_JOINTS];
+        edml_keypoint_q16 in[EDML_JOINTS];
+        edml_pose_q16 pose;
+        memset(&pose, 0, sizeof pose);
+        hard_pose(image, n);
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x = fixed(image[j].x);
+            in[j].y = fixed(image[j].y);
+            in[j].c = image[j].c > 0 ? INT16_MAX : 0;
+        }
+        const int8_t status = (int8_t)edml_lift_q24(&pose, in, model, &work_q24);
         add_bytes(&status, sizeof status);
         add_bytes(&pose, sizeof pose);
         lifted += status == EDML_OK;
@@ -94,12 +124,61 @@ static void refine_shapes(void)
     }
 }
 
+/* The same two, on whole numbers. */
+static void decompose_matrices_q24(void)
+{
+    static edml_matrix_q24 a;
+    static edml_eigen_q24 e;
+    for (int n = 0; n < MATRICES; n++) {
+        for (int i = 0; i < EDML_JOINTS; i++)
+            for (int j = i; j < EDML_JOINTS; j++) a.at[i][j] = (draw(2049) - 1024) * (1 << 14);
+        edml_jacobi_q24(&e, &a);
+        add_bytes(e.value, sizeof e.value);
+        add_bytes(e.vector, sizeof e.vector);
+    }
+}
+
+static void refine_shapes_q24(void)
+{
+    for (int n = 0; n < SHAPES; n++) {
+        edml_point_q24 x[EDML_JOINTS];
+        int32_t distance[EDML_PAIRS];
+        for (int k = 0; k < EDML_PAIRS; k++) distance[k] = draw(2049) * (1 << 14);
+        edml_mds_q24(x, distance, &work_q24);
+        add_bytes(x, sizeof x);
+        const edml_objective objective = (edml_objective)(EDML_STRESS_SQUARE + n % 3);
+        edml_refine_q24(x, distance, objective, STEPS, &work_q24);
+        add_bytes(x, sizeof x);
+    }
+}
+
+static void start(void)
+{
+    hash = 14695981039346656037U;
+    state = 1;
+}
+
+static void report(const char *what, int lifted)
+{
+    printf("%s %08lx%08lx %d of %d lifted\n", what, (unsigned long)(hash >> 32),
+           (unsigned long)(hash & 0xFFFFFFFFU), lifted, POSES);
+}
+
 int main(void)
 {
+    start();
+    int lifted = lift_poses(&edml_fconn_f32);
     decompose_matrices();
     refine_shapes();
-    const int lifted = lift_poses();
-    printf("%08lx%08lx %d of %d lifted\n", (unsigned long)(hash >> 32),
-           (unsigned long)(hash & 0xFFFFFFFFU), lifted, POSES);
+    report("float f32", lifted);
+    start();
+    report("float q15", lift_poses(&edml_fconn_q15));
+    start();
+    lifted = lift_poses_q24(&edml_fconn_q15);
+    decompose_matrices_q24();
+    refine_shapes_q24();
+    report("fixed q15", lifted);
+    start();
+    report("fixed q7", lift_poses_q24(&edml_fconn_q7));
     return 0;
 }

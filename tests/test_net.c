@@ -1,4 +1,5 @@
-/* fconn_f32.c and model.c: the network.  Its values are compared with NumPy's in test_vectors.c.
+/* fconn.inc and model.c: the network in float and in whole numbers.  The float one's values are
+ * compared with NumPy's in test_vectors.c.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -112,16 +113,231 @@ static void layers_follow_one_another(void)
     for (int n = 0; n < EDML_PAIRS; n++) TEST_ASSERT_TRUE(distance[n] == (float)(4 * n + 3 * n));
 }
 
-/* ---- Models ------------------------------------------------------------------------------------ */
+/* ---- Whole numbers, against model.h's definition written plainly -------------------------------- */
 
-static void the_model_has_its_name(void)
+enum { WIDE = EDML_LAYER_WIDEST, HIGHEST = 127 << 24 };
+
+static edml_work_q24 work_q24;
+static int32_t edm_q24[EDML_PAIRS], distance_q24[EDML_PAIRS], wanted_q24[EDML_PAIRS];
+
+static int is_q15(const edml_model *model) { return model->predict_q24 == edml__fconn_q15; }
+
+/* Layer n of a quantised model; one of 8 bits gets weights of 16 from the caller. */
+static edml_dense_q15 wide_layer(const edml_model *model, int n, int16_t wide[WIDE * WIDE])
 {
-    TEST_ASSERT_EQUAL_STRING("fconn_f32", edml_model_name(&edml_fconn_f32));
+    if (is_q15(model)) return ((const edml_dense_q15 *)model->layers)[n];
+    const edml_dense_q7 *narrow = &((const edml_dense_q7 *)model->layers)[n];
+    const int count = (narrow->outputs + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS * narrow->inputs;
+    for (int k = 0; k < count; k++) wide[k] = narrow->weight[k];
+    const edml_dense_q15 layer = {narrow->inputs, narrow->outputs, wide,        narrow->bias,
+                                  narrow->factor, narrow->shift,   narrow->most};
+    return layer;
 }
 
-static void the_model_is_sound(void)
+/* floor(value / 2^shift), limited */
+static int64_t scaled_down(int64_t value, int shift, int64_t most)
+{
+    if (value < 0) return 0;
+    return value >> shift < most ? value >> shift : most;
+}
+
+static void expect_distances(const int32_t edm_in[EDML_PAIRS], const edml_model *model)
+{
+    static int16_t wide[WIDE * WIDE];
+    int64_t x[WIDE], y[WIDE];
+    for (int k = 0; k < EDML_PAIRS; k++) x[k] = scaled_down((int64_t)edm_in[k] + 2048, 12, 32767);
+    for (int n = 0; n < model->layer_count; n++) {
+        const edml_dense_q15 layer = wide_layer(model, n, wide);
+        for (int row = 0; row < layer.outputs; row++) {
+            const int16_t *w = &layer.weight[row / 8 * 8 * layer.inputs + row % 8];
+            int64_t sum = layer.bias[row];
+            for (int i = 0; i < layer.inputs; i++) {
+                sum += w[8 * i] * x[i];
+                TEST_ASSERT_TRUE(INT32_MIN <= sum && sum <= INT32_MAX);
+            }
+            const int64_t half = (int64_t)1 << (layer.shift - 1);
+            y[row] = scaled_down(sum * layer.factor[row] + half, layer.shift, layer.most);
+        }
+        memcpy(x, y, sizeof x);
+    }
+    for (int k = 0; k < EDML_PAIRS; k++) wanted_q24[k] = (int32_t)x[k];
+}
+
+/* EDMs of all sizes: first what is likely, then anything, then the extremes. */
+enum { EDMS = 40 };
+static void fill_edm_q24(int n)
+{
+    rng r = rng_seed((uint32_t)n);
+    for (int k = 0; k < EDML_PAIRS; k++) {
+        edm_q24[k] = (int32_t)uniform(&r, 0, n < 20 ? 3 << 24 : (float)HIGHEST);
+        if (n == EDMS - 4) edm_q24[k] = 0;
+        if (n == EDMS - 3) edm_q24[k] = HIGHEST;
+        if (n == EDMS - 2) edm_q24[k] = k % 2 == 0 ? HIGHEST : 0;
+        if (n == EDMS - 1) edm_q24[k] = INT32_MAX;
+    }
+}
+
+/* The model does as defined: between arrays, in place, and in place in its own work memory. */
+static void check_against_definition(const edml_model *model)
+{
+    for (int n = 0; n < EDMS; n++) {
+        fill_edm_q24(n);
+        expect_distances(edm_q24, model);
+        memset(&work_q24, n, sizeof work_q24);
+        edml_net_q24(distance_q24, edm_q24, model, &work_q24);
+        TEST_ASSERT_SAME_BYTES(wanted_q24, distance_q24);
+        memcpy(work_q24.use.layer[0], edm_q24, sizeof edm_q24);
+        edml_net_q24(distance_q24, work_q24.use.layer[0], model, &work_q24);
+        TEST_ASSERT_SAME_BYTES(wanted_q24, distance_q24);
+        edml_net_q24(edm_q24, edm_q24, model, &work_q24);
+        TEST_ASSERT_SAME_BYTES(wanted_q24, edm_q24);
+    }
+}
+
+static void quantised_models_are_as_defined(void)
+{
+    check_against_definition(&edml_fconn_q15);
+    check_against_definition(&edml_fconn_q7);
+}
+
+/* Random layers with sums of up to 31 bits: 128 * 255 * 32767 + 2^30 < 2^31. */
+static int16_t weight_q15[2][WIDE * WIDE];
+static int8_t weight_q7[2][WIDE * WIDE];
+static int32_t bias_q24[2][WIDE], factor_q24[2][WIDE];
+static edml_dense_q15 layers_q15[2];
+static edml_dense_q7 layers_q7[2];
+
+static edml_model random_model(uint32_t seed, const edml_model *like)
+{
+    rng r = rng_seed(seed);
+    for (int n = 0; n < 2; n++) {
+        const uint16_t inputs = n == 0 ? EDML_PAIRS : 100, outputs = n == 0 ? 100 : EDML_PAIRS;
+        const uint8_t shift = n == 0 ? 44 : 35;
+        const int32_t most = n == 0 ? EDML_ACTIVATION : 3 << 24;
+        for (int k = 0; k < WIDE * WIDE; k++) {
+            weight_q15[n][k] = (int16_t)((int)(rng_bits(&r) % 511) - 255);
+            weight_q7[n][k] = (int8_t)((int)(rng_bits(&r) % 255) - 127);
+        }
+        for (int k = 0; k < WIDE; k++) {
+            bias_q24[n][k] = (int32_t)uniform(&r, -(1 << 29), 1 << 30);
+            factor_q24[n][k] = k == 0 ? 1 : k == 1 ? INT32_MAX : (int32_t)(rng_bits(&r) >> 1 | 1);
+        }
+        const edml_dense_q15 q15 = {inputs,        outputs, weight_q15[n], bias_q24[n],
+                                    factor_q24[n], shift,   most};
+        const edml_dense_q7 q7 = {inputs,        outputs, weight_q7[n], bias_q24[n],
+                                  factor_q24[n], shift,   most};
+        layers_q15[n] = q15;
+        layers_q7[n] = q7;
+    }
+    edml_model model = *like;
+    model.layers = is_q15(like) ? (const void *)layers_q15 : (const void *)layers_q7;
+    model.layer_count = 2;
+    model.checksum = model.hash(&model);
+    return model;
+}
+
+static void random_layers_are_as_defined(void)
+{
+    for (uint32_t seed = 0; seed < 5; seed++) {
+        const edml_model q15 = random_model(seed, &edml_fconn_q15);
+        check_against_definition(&q15);
+        const edml_model q7 = random_model(seed, &edml_fconn_q7);
+        check_against_definition(&q7);
+    }
+}
+
+/* One layer y_n = (sum_n factor + half) >> shift, sum_n = x_n + offset. */
+static edml_model identity_q15(int32_t offset, int32_t factor, uint8_t shift, int32_t most)
+{
+    memset(weight_q15[0], 0, sizeof weight_q15[0]);
+    for (int n = 0; n < EDML_PAIRS; n++) {
+        weight_q15[0][n / EDML_ROWS * EDML_ROWS * EDML_PAIRS + n * EDML_ROWS + n % EDML_ROWS] = 1;
+        bias_q24[0][n] = offset;
+        factor_q24[0][n] = factor;
+    }
+    const edml_dense_q15 layer = {EDML_PAIRS,    EDML_PAIRS, weight_q15[0], bias_q24[0],
+                                  factor_q24[0], shift,      most};
+    layers_q15[0] = layer;
+    edml_model model = edml_fconn_q15;
+    model.layers = layers_q15;
+    model.layer_count = 1;
+    return model;
+}
+
+static int32_t first_distance(const edml_model *model, int32_t edm_value)
+{
+    for (int k = 0; k < EDML_PAIRS; k++) edm_q24[k] = edm_value;
+    edml_net_q24(distance_q24, edm_q24, model, &work_q24);
+    for (int k = 1; k < EDML_PAIRS; k++) TEST_ASSERT_EQUAL_INT32(distance_q24[0], distance_q24[k]);
+    return distance_q24[0];
+}
+
+static void whole_numbers_are_rounded_to_nearest(void)
+{
+    const edml_model input = identity_q15(0, 2, 1, 3 << 24); /* y = x */
+    TEST_ASSERT_EQUAL_INT32(0, first_distance(&input, 2047));
+    TEST_ASSERT_EQUAL_INT32(1, first_distance(&input, 2048));
+    TEST_ASSERT_EQUAL_INT32(1, first_distance(&input, 4096 + 2047));
+    const edml_model output = identity_q15(0, 3, 3, 3 << 24); /* y = 3/8 x */
+    TEST_ASSERT_EQUAL_INT32(0, first_distance(&output, 1 << 12));
+    TEST_ASSERT_EQUAL_INT32(1, first_distance(&output, 2 << 12));
+    TEST_ASSERT_EQUAL_INT32(2, first_distance(&output, 4 << 12)); /* a half goes up */
+}
+
+static void whole_numbers_are_limited(void)
+{
+    const edml_model wide = identity_q15(0, 2, 1, INT32_MAX);
+    TEST_ASSERT_EQUAL_INT32(EDML_ACTIVATION, first_distance(&wide, HIGHEST));
+    const edml_model far = identity_q15(INT32_MAX - EDML_ACTIVATION, INT32_MAX, 31, 3 << 24);
+    TEST_ASSERT_EQUAL_INT32(3 << 24, first_distance(&far, HIGHEST));
+    const edml_model below = identity_q15(INT32_MIN, INT32_MAX, 1, 3 << 24);
+    TEST_ASSERT_EQUAL_INT32(0, first_distance(&below, HIGHEST));
+    const edml_model tiny = identity_q15(INT32_MAX - EDML_ACTIVATION, INT32_MAX, 62, 3 << 24);
+    TEST_ASSERT_EQUAL_INT32(1, first_distance(&tiny, HIGHEST));
+}
+
+/* Distances of people, as the float pipeline gets them, in RMS against the float network. */
+static float rms_from_float(const edml_model *model)
+{
+    rng r = rng_seed(5);
+    double sum = 0;
+    int count = 0;
+    for (int n = 0; n < 200; n++) {
+        edml_point x[EDML_JOINTS];
+        edml_keypoint in[EDML_JOINTS];
+        random_human(&r, x);
+        photograph(in, x);
+        if (edml_edm_f32(edm, in, EDML_JOINTS, 3) != EDML_OK) continue;
+        edml_net_f32(distance, edm, &edml_fconn_f32, &work);
+        memcpy(work.use.layer[0], edm, sizeof edm);
+        edml_net_f32(again, work.use.layer[0], model, &work); /* as edml_lift() calls it */
+        for (int k = 0; k < EDML_PAIRS; k++, count++)
+            sum += ((double)again[k] - distance[k]) * ((double)again[k] - distance[k]);
+    }
+    TEST_ASSERT_TRUE(count > 150 * EDML_PAIRS);
+    return (float)sqrt(sum / count);
+}
+
+static void quantised_models_are_near_the_float_one(void)
+{
+    TEST_ASSERT_ERROR_UP_TO(NET_Q15_TOLERANCE, rms_from_float(&edml_fconn_q15));
+    TEST_ASSERT_ERROR_UP_TO(NET_Q7_TOLERANCE, rms_from_float(&edml_fconn_q7));
+}
+
+/* ---- Models ------------------------------------------------------------------------------------ */
+
+static void the_models_have_their_names(void)
+{
+    TEST_ASSERT_EQUAL_STRING("fconn_f32", edml_model_name(&edml_fconn_f32));
+    TEST_ASSERT_EQUAL_STRING("fconn_q15", edml_model_name(&edml_fconn_q15));
+    TEST_ASSERT_EQUAL_STRING("fconn_q7", edml_model_name(&edml_fconn_q7));
+}
+
+static void the_models_are_sound(void)
 {
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_f32));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_q15));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_q7));
 }
 
 static void a_wrong_checksum_is_noticed(void)
@@ -154,6 +370,30 @@ static void one_flipped_bit_in_weight_or_bias_is_noticed(void)
     TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_model_check(&model));
 }
 
+static void check_flipped_byte(const edml_model *model, void *byte)
+{
+    uint8_t *at = byte;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(model));
+    *at ^= 1;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_model_check(model));
+    *at ^= 1;
+}
+
+static void one_flipped_bit_in_whole_numbers_is_noticed(void)
+{
+    enum { LAST = (EDML_PAIRS + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS - 1, INPUTS = 100 };
+    const edml_model q15 = random_model(7, &edml_fconn_q15);
+    check_flipped_byte(&q15, &weight_q15[0][0]);
+    check_flipped_byte(&q15, (uint8_t *)&weight_q15[1][(LAST + 1) * INPUTS] - 1);
+    check_flipped_byte(&q15, &bias_q24[0][5]);
+    check_flipped_byte(&q15, (uint8_t *)&factor_q24[1][LAST + 1] - 1);
+    const edml_model q7 = random_model(7, &edml_fconn_q7);
+    check_flipped_byte(&q7, &weight_q7[0][0]);
+    check_flipped_byte(&q7, &weight_q7[1][(LAST + 1) * INPUTS - 1]);
+    check_flipped_byte(&q7, &bias_q24[1][LAST]);
+    check_flipped_byte(&q7, &factor_q24[0][0]);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -164,9 +404,15 @@ int main(void)
     RUN_TEST(a_layer_adds_up_all_inputs);
     RUN_TEST(negative_sums_become_zero);
     RUN_TEST(layers_follow_one_another);
-    RUN_TEST(the_model_has_its_name);
-    RUN_TEST(the_model_is_sound);
+    RUN_TEST(quantised_models_are_as_defined);
+    RUN_TEST(random_layers_are_as_defined);
+    RUN_TEST(whole_numbers_are_rounded_to_nearest);
+    RUN_TEST(whole_numbers_are_limited);
+    RUN_TEST(quantised_models_are_near_the_float_one);
+    RUN_TEST(the_models_have_their_names);
+    RUN_TEST(the_models_are_sound);
     RUN_TEST(a_wrong_checksum_is_noticed);
     RUN_TEST(one_flipped_bit_in_weight_or_bias_is_noticed);
+    RUN_TEST(one_flipped_bit_in_whole_numbers_is_noticed);
     return UNITY_END();
 }

@@ -24,6 +24,10 @@
 #define TRACE_TOLERANCE 1e-5F
 #endif
 
+/* ---- Quantised networks, RMS against the float one, on people of helpers.c ---- */
+#define NET_Q15_TOLERANCE 1e-4F /* measured 0.06 mm */
+#define NET_Q7_TOLERANCE 4e-3F  /* measured 2.4 mm */
+
 /* ---- MDS ---- */
 #define MDS_TOLERANCE 5e-5F      /* 0.05 mm: the header's promise */
 #define MDS_FLAT_TOLERANCE 2e-3F /* root of a rounding error: sqrt(4e-6 m^2) */
@@ -40,6 +44,10 @@
 #define REFINE_RAW_TOLERANCE 5e-5F
 #define REFINE_EQ2_TOLERANCE 3e-3F
 #define REFINE_TURNED_TOLERANCE 1e-4F
+/* In Q24, against float32. */
+#define STRESS_Q24_TOLERANCE 1e-6F /* absolute, of values to 0.1; distances rounded to 6e-8 */
+#define REFINE_Q24_TOLERANCE 1e-4F /* five steps; measured 2.7e-5, 3e-5 and 5e-6 */
+#define REFINE_Q24_RISE 1e-3F      /* relative, of the objective; measured 3e-5 */
 
 /* ---- Mirror, log-odds ---- */
 #ifndef EDML_TEST_Q24
@@ -106,8 +114,13 @@
 #define VECTOR_MDS_TOLERANCE MDS_TOLERANCE
 /* Ten steps downhill enlarge rounding, the more the less smooth the objective; measured 5e-6, 1e-6
  * and 3e-5. */
+#ifndef EDML_TEST_Q24
 #define VECTOR_SQUARE_TOLERANCE 5e-5F
 #define VECTOR_RAW_TOLERANCE 2e-5F
+#else /* starts from the points of another MDS, 3e-6 away; measured 5.2e-5, 1.9e-5 and 1e-4 */
+#define VECTOR_SQUARE_TOLERANCE 1e-4F
+#define VECTOR_RAW_TOLERANCE 5e-5F
+#endif
 #define VECTOR_EQ2_TOLERANCE 1e-3F
 #ifndef EDML_TEST_Q24
 #define VECTOR_POSE_TOLERANCE 1e-4F /* all of the above, and the division by a thin spread */

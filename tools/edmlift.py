@@ -136,21 +136,23 @@ class Library:
         """Places poses [F,14,3] before a camera (fx, fy, cx, cy) that sees keypoints [F,14,3]."""
         intrinsics = np.array(camera, np.float32)
 
-        def run(placement: int, _camera: int, pose: int, seen: int) -> int:
-            pointers = (placement, pose, seen, intrinsics.ctypes.data)
-            return self._c.edml_place(*map(ctypes.c_void_p, pointers), self._work)
+        def run(_i: int, placement: int, camera: int, pose: int, seen: int) -> int:
+            pointers = map(ctypes.c_void_p, (placement, pose, seen, camera))
+            return self._c.edml_place(*pointers, self._work)
 
         return self._placed(poses, keypoints, intrinsics, run)
 
     def place_sweep(
-        self, poses: np.ndarray, keypoints: np.ndarray, size: tuple[float, float]
+        self, poses: np.ndarray, keypoints: np.ndarray, size: np.ndarray | tuple[float, float]
     ) -> Placements:
-        """The same by a camera of unknown focal length, whose images have this width and height."""
-        width, height = map(ctypes.c_float, size)
+        """The same by cameras of unknown focal length, of whose images `size` is the width and
+        height, [2] or [F,2]; the principal point is in the middle."""
+        sizes = np.broadcast_to(np.asarray(size, np.float32), (len(poses), 2))
 
-        def run(*pointers: int) -> int:
-            arguments = (*map(ctypes.c_void_p, pointers), width, height, self._work)
-            return self._c.edml_place_sweep(*arguments)
+        def run(i: int, placement: int, camera: int, pose: int, seen: int) -> int:
+            pointers = map(ctypes.c_void_p, (placement, camera, pose, seen))
+            width, height = map(ctypes.c_float, sizes[i])
+            return self._c.edml_place_sweep(*pointers, width, height, self._work)
 
         return self._placed(poses, keypoints, np.full(4, np.nan, np.float32), run)
 
@@ -159,9 +161,10 @@ class Library:
         poses: np.ndarray,
         keypoints: np.ndarray,
         camera: np.ndarray,
-        run: Callable[[int, int, int, int], int],
+        run: Callable[[int, int, int, int, int], int],
     ) -> Placements:
-        """Calls `run` with pointers to a placement, its camera, a pose and keypoints, for each."""
+        """Calls `run`, for each pose, with its number and pointers to placement, camera, pose and
+        keypoints."""
         if poses.shape != keypoints.shape or poses.shape[1:] != (len(JOINTS), 3):
             raise ValueError(
                 f"poses and keypoints must be [F,{len(JOINTS)},3], "
@@ -175,7 +178,7 @@ class Library:
             placed[field] = np.nan
         cameras = np.tile(camera, (len(poses), 1))
         status = [
-            run(*(array[i : i + 1].ctypes.data for array in (placed, cameras, given, keypoints)))
+            run(i, *(a[i : i + 1].ctypes.data for a in (placed, cameras, given, keypoints)))
             for i in range(len(poses))
         ]
         return Placements(

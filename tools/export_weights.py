@@ -178,8 +178,10 @@ def fnv1a(packed: Iterable[Packed]) -> int:
 # ---- What is said of a quantised network -------------------------------------------------------
 
 
-def quantised(layers: Sequence[Layer], settings: Settings, form: str) -> list[quantise.Dense]:
-    """The network in whole numbers; raises ExportError where it cannot be."""
+def quantised(
+    layers: Sequence[Layer], settings: Settings, form: str
+) -> tuple[list[quantise.Dense], dict[str, str]]:
+    """The network in whole numbers, and what the header says of it: title -> text."""
     calibration = settings.calibration
     if not calibration:
         raise ExportError("manifest: no calibration; run once with --calibrate TRAIN.npz")
@@ -187,12 +189,17 @@ def quantised(layers: Sequence[Layer], settings: Settings, form: str) -> list[qu
         raise ExportError("manifest: the calibration is of other weights; run with --calibrate")
     if settings.widest > quantise.WIDEST:
         raise ExportError(f"manifest: widest must be up to {quantise.WIDEST} to quantise")
-    return quantise.quantise(layers, calibration, form)
+    try:
+        network = quantise.quantise(layers, calibration, form)
+        return network, quantised_lines(network, calibration, form)
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        raise ExportError(f"manifest: damaged calibration: {one_line(error)}") from error
 
 
-def quantised_lines(network: Sequence[quantise.Dense], settings: Settings, form: str):
-    """What the header says of the quantiser: title -> text."""
-    calibration, rms = settings.calibration, settings.calibration["rms"][form]
+def quantised_lines(
+    network: Sequence[quantise.Dense], calibration: Mapping[str, Any], form: str
+) -> dict[str, str]:
+    rms = calibration["rms"][form]
     bits = ", ".join("{} to {}".format(*quantise.weight_bits(dense)) for dense in network)
     return {
         "quantiser": f"{form}: whole numbers, a scale a row",
@@ -235,8 +242,7 @@ def write_header(
     if form == "f32":
         network, lines = layers, {"quantiser": "none (float32)"}
     else:
-        network = quantised(layers, settings, form)
-        lines = quantised_lines(network, settings, form)
+        network, lines = quantised(layers, settings, form)
     packed = [pack(layer) for layer in network]
     checksum = fnv1a(packed)
     parts = [
@@ -394,7 +400,7 @@ def calibrate(layers: Sequence[Layer], manifest: Path, motion: Path) -> str:
     settings = read_settings(manifest)
     try:
         edms = quantise.training_edms(motion, settings.recipe)
-    except (MocapError, OSError) as error:
+    except (MocapError, OSError, TypeError, ValueError) as error:
         raise ExportError(f"{motion}: {one_line(error)}") from error
     noted = quantise.calibrate(layers, edms)
     known = json.loads(manifest.read_text("utf-8"))

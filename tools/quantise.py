@@ -41,11 +41,16 @@ class Dense(NamedTuple):
 
 def quantise(layers: Sequence[Layer], calibration: Mapping[str, Any], form: str) -> list[Dense]:
     """The network in whole numbers, "q15" or "q7"; raises ExportError where that cannot be."""
-    largest, mean = calibration["largest"], calibration["mean"]
+    largest = calibration["largest"]
+    mean = [np.array(values, float) for values in calibration["mean"]]
+    if not all(0 < x < np.inf for x in largest):
+        raise ExportError("calibration: a hidden layer is always zero, or not finite")
+    if not all(np.isfinite(values).all() for values in mean):
+        raise ExportError("calibration: a mean is not finite")
     scales = [1 << EDM_SHIFT, *(ACTIVATION / (HEADROOM * x) for x in largest), METRE]
     dense = []
     for k, (weight, bias) in enumerate(equalised(layers)):
-        rows = Rows(weight, bias, np.array(mean[k]), scales[k])
+        rows = Rows(weight, bias, mean[k], scales[k])
         most = ACTIVATION if k < len(layers) - 1 else FARTHEST
         dense.append(quantise_layer(rows, scales[k + 1], WEIGHT_TYPES[form], most))
         prove(dense[k], k)
@@ -58,7 +63,8 @@ def equalised(layers: Sequence[Layer]) -> list[Layer]:
     A weight that is large only because its unit is small makes its whole row coarse; so a unit is
     multiplied by the root of the largest weight that reads it, and those weights divided by it.
     """
-    even = [Layer(weight.astype(float), bias.astype(float)) for weight, bias in layers]
+    # In C's order, for the last bits of NumPy's sums depend on it.
+    even = [Layer(*(np.array(array, float, order="C") for array in layer)) for layer in layers]
     for k in range(len(even) - 1):
         unit, reader = even[k], even[k + 1]
         peak = np.abs(reader.weight).max(1)
@@ -178,8 +184,6 @@ def calibrate(layers: Sequence[Layer], edms: np.ndarray) -> dict[str, Any]:
         "largest": [round(float(x.max()), 4) for x in inputs[1:]],
         "mean": [x.mean(0).round(4).tolist() for x in inputs],
     }
-    if not all(calibration["largest"]):
-        raise ExportError("calibration: a hidden layer is always zero")
     errors = {}
     for form in WEIGHT_TYPES:
         distances = run(quantise(layers, calibration, form), np.rint(edms * METRE)) / METRE

@@ -94,7 +94,8 @@ def stress(points: np.ndarray, distance: np.ndarray, objective: str) -> float:
 
 
 FLOOR = 1 / 256  # m^2: smallest divisor of a weight
-LONGEST = 16.0  # step along a line
+LONGEST = 4.0  # m: the line search moves no joint further, along an axis
+FORGET = 64.0  # steps that would keep so much of the last one start anew
 
 
 def weights(points: np.ndarray, distance: np.ndarray, objective: str) -> np.ndarray:
@@ -119,7 +120,7 @@ def refine(points: np.ndarray, distance: np.ndarray, objective: str, steps: int)
             step = downhill
         else:
             gain = np.sum(downhill * (downhill - before)) / np.sum(before**2)
-            step = downhill + max(gain, 0) * step
+            step = downhill + (gain if 0 < gain < FORGET else 0) * step
         before = downhill
         tried = points + line_minimum(points, step, w, distance) * step
         if stress(tried, distance, objective) >= stress(points, distance, objective):
@@ -150,7 +151,7 @@ def line_minimum(points, step, w, distance) -> float:
     )
     if quartic.deriv()(0) >= 0:
         return 0.0
-    roots = [LONGEST, *quartic.deriv().roots]
+    roots = [LONGEST / np.abs(step).max(), *quartic.deriv().roots]
     return float(min(r.real for r in roots if abs(r.imag) < 1e-9 * abs(r) and r.real > 0))
 
 

@@ -4,6 +4,7 @@
 #   step TEXT LOG COMMAND...           one line of output; what the command prints is in build/log
 #   need_packages [COMMAND:PACKAGE]... compiler, CMake, Ninja or Make, Python with venv, and what
 #                                      else is named: installs what is missing, or says its name
+#   firmware_packages                  such pairs, for tools/firmware.py
 #   make_venv                          build/venv as tools/requirements.txt has it
 #   configure FOLDER [OPTION]...       cmake with Ninja where there is one
 #
@@ -92,6 +93,15 @@ need_packages() {
     } >&2
     return 1
 }
+
+# The C libraries have no command of their own.
+# shellcheck disable=SC2034 # used by who sources this
+firmware_packages=(
+    arm-none-eabi-gcc:gcc-arm-none-eabi arm-none-eabi-gcc:picolibc-arm-none-eabi
+    riscv64-unknown-elf-gcc:gcc-riscv64-unknown-elf
+    riscv64-unknown-elf-gcc:picolibc-riscv64-unknown-elf
+    qemu-system-arm:qemu-system-arm qemu-system-riscv32:qemu-system-misc
+)
 
 # ---- Python and CMake --------------------------------------------------------------------------
 

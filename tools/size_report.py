@@ -1,140 +1,230 @@
 """What a lift costs on a microcontroller: flash, RAM, stack and instructions, as Markdown.
 
-    size_report.py                      prints the table
-    size_report.py --update README.md   writes it between the marks in a file
-    size_report.py --check README.md    compares: sizes exactly, instructions within 3 %
+    size_report.py                 prints a row a core and variant
+    size_report.py --core NAME     only this core's (a preset of CMakePresets.json)
+    size_report.py --update        writes the tables of README.md and docs/costs.md
+    size_report.py --check         compares them: sizes exactly, instructions within 3 %
 
-Everything is compiled by arm-none-eabi-gcc -Os with picolibc and run by qemu-system-arm, which
-counts instructions (not cycles) exactly.  Code is that of all of lib/, before a linker drops what
-a program does not use.
+Everything is compiled by gcc -Os with picolibc and run by QEMU, which counts instructions (not
+cycles) exactly.  Flash is what a program links that does nothing but lift.
 """
 
 import argparse
+import dataclasses
 import json
 import re
 import sys
 import tempfile
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 
 import marks
-from firmware import CROSS, ROOT, SOURCES, TARGETS, Target, ToolError, build, compiler, emulate, run
+from firmware import ROOT, SOURCES, TARGETS, Target, ToolError, build, compile_library, count, run
 
-CORES = [TARGETS["cortex-m4f"], TARGETS["cortex-m7"], TARGETS["cortex-m33"]]
+BENCH = ROOT / "tests" / "bench"
+README, COSTS = ROOT / "README.md", ROOT / "docs" / "costs.md"
 LEVEL = "-Os"
 SLACK = 0.03  # of instructions
+VARIANTS = {
+    "f32": ["-DMODEL=edml_fconn_f32"],
+    "q15": ["-DMODEL=edml_fconn_q15"],
+    "q7": ["-DMODEL=edml_fconn_q7"],
+    "fixed": ["-DMODEL=edml_fconn_q15", "-DFIXED"],
+}
+SUMMARY = [  # core, variant, its name, its errors in the model's manifest
+    ("Cortex-M4F", "f32", "float", "metrics"),
+    ("Cortex-M3", "fixed", "fixed point", "metrics_q15"),
+    ("Cortex-M0+", "fixed", "fixed point", "metrics_q15"),
+]
 
 
-def flash_sizes(core: Target, folder: Path) -> tuple[int, int]:
-    """Bytes of code, and of the model, constants included."""
-    code = model = 0
-    for source in SOURCES:
-        item = folder / f"{source.stem}.o"
-        run(*compiler(core, LEVEL), "-c", source, "-o", item)
-        size = int(run(f"{CROSS}size", item).splitlines()[1].split()[0])
-        if source.stem.startswith("model_"):
-            model += size
-        else:
-            code += size
-    return code, model
+@dataclass(frozen=True)
+class Cost:
+    """A row of docs/costs.md: bytes of flash, RAM and stack, then instructions of the stages."""
+
+    core: str
+    variant: str
+    code: int  # with the helpers
+    helpers: int  # of the compiler and its libraries: what the processor has no instruction for
+    weights: int
+    work: int
+    stack: int  # of the lift, the deepest
+    edm: int
+    net: int
+    mds: int
+    mirror: int
+    orient: int
+    lift: int
 
 
-def stage_costs(core: Target, folder: Path) -> dict[str, tuple[int, int]]:
-    """Instructions (mean) and bytes of stack (deepest) of each stage."""
-    image = build(ROOT / "tests" / "bench" / "target.c", core, LEVEL, folder, stack=8192)
-    lines = [line.split() for line in emulate(image, core, "-icount", "shift=7").splitlines()]
-    return {name: (int(count), int(stack)) for name, count, stack in lines}
+COLUMNS = [field.name for field in dataclasses.fields(Cost)]
+EXACT = COLUMNS[: COLUMNS.index("edm")]
 
 
-def work_bytes(core: Target, folder: Path) -> int:
-    """sizeof(edml_work), read off an object file."""
-    source = folder / "work.c"
-    source.write_text('#include "edmlift.h"\nconst char work[sizeof(edml_work)] = {1};\n')
-    item = folder / "work.o"
-    run(*compiler(core, LEVEL), "-c", source, "-o", item)
-    listing = run(f"{CROSS}nm", "--print-size", "--radix=d", item)
-    return int(re.search(r"\d+ (\d+) R work", listing)[1])
+def flash_sizes(link_map: str) -> dict[str, int]:
+    """Bytes of code, helpers and weights by the linker's map of tests/bench/smallest.c."""
+    library = {f"{source.stem}.o" for source in SOURCES}
+    sizes = {"code": 0, "helpers": 0, "weights": 0}
+    placed = link_map.partition("\nLinker script and memory map\n")[2]
+    section = r"^ \.(?:text|s?rodata)\S*\s+0x[0-9a-f]+\s+0x([0-9a-f]+) (\S+)$"
+    for size, file in re.findall(section, placed, re.M):
+        if re.search(r"/lib(gcc|m|c)\.a\(", file):
+            sizes["helpers"] += int(size, 16)
+            sizes["code"] += int(size, 16)
+        elif Path(file).name in library:
+            model = Path(file).name.startswith("model_")
+            sizes["weights" if model else "code"] += int(size, 16)
+    return sizes
 
 
-def measure(core: Target) -> list[str | int]:
-    """A row of the table."""
+def measure_variant(target: Target, variant: str, library: list[Path], folder: Path) -> Cost:
+    options = VARIANTS[variant]
+    link_map = folder / "map"
+    smallest = build(
+        BENCH / "smallest.c", target, LEVEL, folder / "smallest.elf", *options, "-nostartfiles",
+        f"-Wl,--entry=main,-Map={link_map}", library=library,
+    )  # fmt: skip
+    symbols = run(f"{target.system.cross}nm", "--print-size", "--radix=d", smallest)
+    work = int(re.search(r"\d+ (\d+) b work\n", symbols)[1])
+    bench = build(
+        BENCH / "target.c", target, LEVEL, folder / "bench.elf", *options,
+        f"-DCOUNTS_PER_1000={target.counts}", library=library,
+    )  # fmt: skip
+    lines = [line.split() for line in count(bench, target).splitlines()]
+    stages = {name: int(instructions) for name, instructions, _ in lines if name in COLUMNS}
+    stack = {name: int(deepest) for name, _, deepest in lines}["lift"]
+    flash = flash_sizes(link_map.read_text())
+    return Cost(target.name, variant, work=work, stack=stack, **flash, **stages)
+
+
+def measure_core(target: Target) -> list[Cost]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        code, model = flash_sizes(core, folder)
-        costs = stage_costs(core, folder)
-        work = work_bytes(core, folder)
-    stages = [costs[s][0] for s in ("edm", "net", "mds", "mirror", "orient", "lift")]
-    stack = max(stack for _, stack in costs.values())
-    return [core.name, code, model, work, stack, *stages]
+        library = compile_library(target, LEVEL, folder)
+        return [measure_variant(target, variant, library, folder) for variant in VARIANTS]
 
 
-HEADER = "core|code|weights|work|stack|edm|network|MDS|mirror|orient|**a lift**".split("|")
-UNITS = "|bytes|bytes|bytes|bytes".split("|") + ["instr."] * 6
+def measure(names: Iterable[str] = TARGETS) -> list[Cost]:
+    """All rows, two cores at a time."""
+    with ThreadPoolExecutor(2) as pool:
+        results = list(pool.map(measure_core, [TARGETS[name] for name in names]))
+    return [cost for costs in results for cost in costs]
 
 
-def table(rows: list[list[str | int]]) -> str:
-    lines = ["| " + " | ".join(HEADER) + " |", "|---" + "|--:" * (len(HEADER) - 1) + "|"]
-    lines.append("| " + " | ".join(UNITS) + " |")
+# ---- Tables ----------------------------------------------------------------------------------
+
+
+def markdown(head: list[str], rows: Iterable[list[str | int]]) -> str:
+    lines = ["| " + " | ".join(head) + " |", "|---" + "|--:" * (len(head) - 1) + "|"]
     for row in rows:
         cells = [f"{cell:,}" if isinstance(cell, int) else cell for cell in row]
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
-def summary(rows: list[list[str | int]]) -> str:
-    """The README's first table: one core, and the errors noted in the model's manifest."""
-    core, code, model, work, stack, *_, lift = rows[0]
-    error = json.loads((ROOT / "gen" / "fconn.json").read_text())["metrics"]
-    lines = [
-        f"| {core} | flash | RAM | a lift | error, exact 2D | detector's 2D | two joints missing |",
-        "|---|--:|--:|--:|--:|--:|--:|",
-        f"| `edml_fconn_f32` | {code:,} bytes + {model:,} of weights "
-        f"| {work:,} bytes + {stack} of stack | {lift:,} instructions "
-        f"| {error['gt']} mm | {error['cpm']} mm | {error['rand2']} mm |",
-    ]
-    return "\n".join(lines)
+def full_table(costs: list[Cost]) -> str:
+    units = ["", "", *["bytes"] * (len(EXACT) - 2), *["instr."] * (len(COLUMNS) - len(EXACT))]
+    return markdown(COLUMNS, [units, *(list(dataclasses.astuple(cost)) for cost in costs)])
 
 
-def parse(text: str) -> list[list[str | int]]:
-    """The rows of a table between the marks."""
-    rows = [
-        [cell.strip() for cell in line.strip("|").split("|")]
-        for line in text.splitlines()
-        if line.startswith("| Cortex")
+def parse(text: str) -> list[Cost]:
+    """The rows of a full table."""
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines()]
+    return [
+        Cost(core, variant, *(int(cell.replace(",", "")) for cell in cells))
+        for core, variant, *cells in rows
+        if variant in VARIANTS
     ]
-    return [[row[0], *(int(cell.replace(",", "")) for cell in row[1:])] for row in rows]
+
+
+def readme_table(costs: list[Cost]) -> str:
+    """A row a core: code, and thousands of instructions a lift, of each variant; then memory."""
+    of = {(cost.core, cost.variant): cost for cost in costs}
+    head, units = [""], [""]
+    for variant in VARIANTS:
+        head += [f"`{variant}`", ""]
+        units += ["code, bytes", "a lift"]
+    rows: list[list[str | int]] = [units]
+    for core in dict.fromkeys(cost.core for cost in costs):
+        row: list[str | int] = [core]
+        for variant in VARIANTS:
+            row += [of[core, variant].code, f"{of[core, variant].lift / 1000:,.0f} k"]
+        rows.append(row)
+    for label, name in (
+        ("weights, bytes", "weights"), ("work memory, bytes", "work"), ("stack, at most", "stack")
+    ):  # fmt: skip
+        most = [max(getattr(c, name) for c in costs if c.variant == v) for v in VARIANTS]
+        rows.append([label, *(x for size in most for x in (size, ""))])
+    return markdown(head, rows)
+
+
+def summary_table(costs: list[Cost]) -> str:
+    """The README's first table: three rows, and the errors noted in the model's manifest."""
+    of = {(cost.core, cost.variant): cost for cost in costs}
+    manifest = json.loads((ROOT / "gen" / "fconn.json").read_text("utf-8"))
+    rows: list[list[str | int]] = []
+    for core, variant, name, key in SUMMARY:
+        cost, metrics = of[core, variant], manifest.get(key, {})
+        rows.append([
+            f"{core}, {name}",
+            f"{cost.code:,} bytes + {cost.weights:,} of weights",
+            f"{cost.work:,} bytes + {cost.stack} of stack",
+            f"{cost.lift:,} instructions",
+            *(f"{metrics[view]} mm" if metrics else "" for view in ("gt", "cpm", "rand2")),
+        ])  # fmt: skip
+    head = ["", "flash", "RAM", "a lift", "error, exact 2D", "detector's 2D", "two joints missing"]
+    return markdown(head, rows)
 
 
 class Disagreement(Exception):
     """Figures that are not what was measured."""
 
 
-def compare(written: list[list[str | int]], measured: list[list[str | int]]) -> None:
+def compare(written: list[Cost], measured: list[Cost]) -> None:
     """Raises Disagreement where a figure is not what was measured."""
-    wrong = [] if len(written) == len(measured) else ["number of cores"]
+    wrong = [] if len(written) == len(measured) else ["number of rows"]
     for old, new in zip(written, measured, strict=False):
-        for n, (a, b) in enumerate(zip(old, new, strict=True)):
-            exact = n < 5
-            if a != b and (exact or abs(a - b) > SLACK * b):
-                wrong.append(f"{new[0]}, {HEADER[n]}: written {a}, measured {b}")
+        for name in COLUMNS:
+            a, b = getattr(old, name), getattr(new, name)
+            if a != b and (name in EXACT or abs(a - b) > SLACK * b):
+                wrong.append(f"{new.core}, {new.variant}, {name}: written {a}, measured {b}")
     if wrong:
         raise Disagreement("\n".join(wrong))
+
+
+def check(measured: list[Cost]) -> None:
+    """Compares the tables: the full one with what was measured, the README's with the full one."""
+    written = parse(marks.read(COSTS, "costs"))
+    compare(written, measured)
+    for name, table in (("size_report", readme_table), ("summary", summary_table)):
+        if marks.read(README, name).strip() != table(written):
+            raise Disagreement(f"README.md, {name}: not that of docs/costs.md")
+
+
+def update(measured: list[Cost]) -> None:
+    marks.write(COSTS, "costs", full_table(measured))
+    marks.write(README, "size_report", readme_table(measured))
+    marks.write(README, "summary", summary_table(measured))
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--update", type=Path, metavar="FILE")
-    parser.add_argument("--check", type=Path, metavar="FILE")
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--core", choices=TARGETS)
+    what.add_argument("--update", action="store_true")
+    what.add_argument("--check", action="store_true")
     args = parser.parse_args()
     try:
-        rows = [measure(core) for core in CORES]
-        print(table(rows))
+        costs = measure([args.core] if args.core else TARGETS)
+        print(full_table(costs))
         if args.check:
-            compare(parse(marks.read(args.check, "size_report")), rows)
+            check(costs)
         if args.update:
-            marks.write(args.update, "size_report", table(rows))
-            marks.write(args.update, "summary", summary(rows))
+            update(costs)
     except (Disagreement, ToolError, OSError, ValueError) as error:
         print(f"size_report: {error}", file=sys.stderr)
         return 1

@@ -1,31 +1,14 @@
-/* The stages on made-up poses, each in a function of its own so that its cost can be told.
- *
- * MODEL is the model; with -DFIXED everything is in fixed point.
+/* The stages on made-up poses.
  *
  * SPDX-License-Identifier: MIT
  */
-#ifdef FIXED
-#include "real_q24.h"
-#else
-#include "real_f32.h"
-#endif
-
-#ifndef MODEL
-#define MODEL edml_fconn_f32
-#endif
-
-#define STAGE static __attribute__((noinline)) void
+#include "lift.h"
 
 enum { POSES = 64, STEPS = 10 };
 
-static keypoint in[EDML_JOINTS];
 static real edm[EDML_PAIRS], distance[EDML_PAIRS];
 static point x[EDML_JOINTS];
-static pose out;
-#ifndef FIXED
 static placement placed;
-#endif
-static work_memory work;
 
 /* A person of about 400 pixels' height, each joint off by up to 20 pixels. */
 static void make_pose(int i)
@@ -55,14 +38,17 @@ STAGE stage_mds(void) { NAME(edml_mds)(x, distance, &work); }
 STAGE stage_refine(void) { NAME(edml_refine)(x, distance, EDML_STRESS_SQUARE, STEPS, &work); }
 STAGE stage_mirror(void) { NAME(edml_mirror)(x, &MODEL); }
 STAGE stage_orient(void) { NAME(edml_orient)(x, in, 0x3FFF); }
-STAGE stage_lift(void) { NAME(edml_lift)(&out, in, &MODEL, &work); }
-#ifndef FIXED
-STAGE stage_place(void) /* after the lift */
+
+/* What lift.h lifted, before a camera of 1145 pixels' focal length. */
+STAGE stage_place(void)
 {
+#ifdef FIXED
+    static const camera by = {1145 << 16, 1145 << 16, 500 << 16, 500 << 16};
+#else
     static const camera by = {1145, 1145, 500, 500};
+#endif
     NAME(edml_place)(&placed, &out, in, &by, &work);
 }
-#endif
 
 /* In the order in which data flow; the shipped models' lift goes without the refinement. */
 static const struct {
@@ -71,8 +57,6 @@ static const struct {
 } stages[] = {
     {"edm", stage_edm},       {"net", stage_net},       {"mds", stage_mds},   {"refine", stage_refine},
     {"mirror", stage_mirror}, {"orient", stage_orient}, {"lift", stage_lift},
-#ifndef FIXED
     {"place", stage_place},
-#endif
 };
 enum { STAGES = (int)(sizeof stages / sizeof stages[0]) };

@@ -125,9 +125,12 @@ struct work_memory {
 #define NORM(a, b, c) check_norm(a, b, c)
 #define ABS(a) ((a) < 0 ? -(a) : (a))
 #define NARROW(sum) real::from((sum).value())
+#define PRODUCT(a, b) check_product(a, b)
+#define AS_REAL(sum) check_saturate(sum)
+#define IN_REACH(square) ((square) < real(64 << 24))
+#define ENDLESS wide::from(INT64_MAX)
 #define RESULT(a) (((a) + 128).value() >> 8)
 #define GIVEN(a) (real(a) * 256)
-#define SQUARE(a) check_square(a)
 #define FINITE(a) ((a) > -(1 << 29) && (a) < 1 << 29)
 #define EXACT_TO (256 << 16)
 #define RUNS(model) ((model)->predict_q24 != NULL)
@@ -138,10 +141,16 @@ static inline real check_mul(real a, real b)
     return real::from(((__int128)a.value() * b.value() + (1 << 23)) >> 24);
 }
 
-static inline wide check_square(real a)
+static inline wide check_product(real a, real b)
 {
     tally.products++;
-    return wide::from((__int128)a.value() * a.value());
+    return wide::from(((__int128)a.value() * b.value()) >> 8);
+}
+
+static inline real check_saturate(wide sum)
+{
+    const __int128 most = (__int128)64 << 40, exact = sum.value();
+    return real::from(((exact > most ? most : exact < -most ? -most : exact) + (1 << 15)) >> 16);
 }
 
 static inline real check_div(real a, real b)

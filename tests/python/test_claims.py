@@ -1,13 +1,14 @@
 """What the repository says of itself is what its tools measure now."""
 
+import dataclasses
 import json
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from builds import need_core
 from conftest import ROOT
 
 import edmlift
@@ -15,16 +16,19 @@ import evaluate
 import export_weights
 import marks
 import size_report
+from firmware import TARGETS, compile_library, run
 from mocap import load_motion
 
 DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 README = ROOT / "README.md"
 
 
-def test_the_header_is_made_of_the_weights_byte_for_byte(tmp_path):
-    out = tmp_path / "fconn_f32.h"
-    assert export_weights.main([str(ROOT / "gen" / "fconn.npz"), "--out", str(out)]) == 0
-    assert out.read_bytes() == (ROOT / "gen" / "fconn_f32.h").read_bytes()
+@pytest.mark.parametrize("form", ["f32", "q15", "q7"])
+def test_the_header_is_made_of_the_weights_byte_for_byte(tmp_path, form):
+    out = tmp_path / f"fconn_{form}.h"
+    options = [] if form == "f32" else ["--quantise", form]
+    assert export_weights.main([str(ROOT / "gen" / "fconn.npz"), *options, "--out", str(out)]) == 0
+    assert out.read_bytes() == (ROOT / "gen" / f"fconn_{form}.h").read_bytes()
 
 
 @pytest.mark.skipif(not (DATA / "cmu14_test.npz").exists(), reason="needs the test people")
@@ -36,33 +40,70 @@ def test_the_accuracy_is_the_readmes():
     assert noted == {name: round(column["error"], 1) for name, column in figures.items()}
 
 
-def test_the_cost_is_the_readmes():
-    for tool in ("arm-none-eabi-gcc", "qemu-system-arm"):
-        if not shutil.which(tool):
-            pytest.skip(f"needs {tool}")
-    version = subprocess.run(
-        ["arm-none-eabi-gcc", "-dumpversion"], capture_output=True, text=True, check=True
-    ).stdout
-    if not version.startswith("12.2"):
-        pytest.skip(f"the figures are of gcc 12.2, this is {version}")
-    rows = [size_report.measure(core) for core in size_report.CORES]
-    size_report.compare(size_report.parse(marks.read(README, "size_report")), rows)
-    assert marks.read(README, "summary").strip() == size_report.summary(rows)
-    for _, code, _, work, stack, *_ in rows:
-        assert work <= 4096 and stack <= 512 and code <= 16 * 1024
+@pytest.fixture(scope="module")
+def costs() -> list[size_report.Cost]:
+    """Of every core and variant, measured now."""
+    for target in TARGETS.values():
+        need_core(target)
+        version = run(f"{target.system.cross}gcc", "-dumpversion")
+        if not version.startswith("12.2"):
+            pytest.skip(f"the figures are of gcc 12.2, this is {version}")
+    return size_report.measure()
+
+
+def test_the_costs_are_those_of_the_tables(costs):
+    size_report.check(costs)
+
+
+LIMITS = [  # bytes of code, instructions a lift
+    ("Cortex-M4F", "f32", 16384, 300_000),
+    ("Cortex-M4F", "q15", 16384, 300_000),
+    ("Cortex-M3", "fixed", 16384, 1_200_000),
+    ("Cortex-M0+", "fixed", 20480, 2_500_000),
+]
+
+
+@pytest.mark.parametrize("core, variant, code, lift", LIMITS)
+def test_a_lift_is_cheap(costs, core, variant, code, lift):
+    (cost,) = [cost for cost in costs if (cost.core, cost.variant) == (core, variant)]
+    assert cost.code <= code and cost.lift <= lift
+
+
+def test_a_lift_needs_little_memory(costs):
+    assert max(cost.work for cost in costs) <= 4096
+    assert max(cost.stack for cost in costs) <= 512
+
+
+def test_all_of_the_flash_is_told(tmp_path):
+    """What the linker keeps is code or weights, but for main() and alignment."""
+    target = TARGETS["cortex-m0plus"]
+    need_core(target)
+    library = compile_library(target, "-Os", tmp_path)
+    cost = size_report.measure_variant(target, "fixed", library, tmp_path)
+    listing = run(f"{target.system.cross}size", tmp_path / "smallest.elf").splitlines()
+    flash = int(listing[1].split()[0])
+    assert 0 <= flash - cost.code - cost.weights <= 200
+    assert 0 < cost.helpers < cost.code
 
 
 def test_a_wrong_figure_is_found():
-    right = ["Cortex-M4F", 6000, 160000, 3800, 260, 100, 1000, 1000, 100, 100, 2300]
-    size_report.compare([[*right]], [right])
-    for n, value in ((1, 6001), (4, 264), (10, 2400)):
-        wrong = [*right]
-        wrong[n] = value
+    right = size_report.Cost(
+        "Cortex-M3", "f32", code=6000, helpers=40, weights=160000, work=3800, stack=260,
+        edm=100, net=1000, mds=1000, mirror=100, orient=100, lift=2300,
+    )  # fmt: skip
+    size_report.compare([right], [right])
+    for wrong in ({"code": 6001}, {"stack": 264}, {"lift": 2400}, {"variant": "q7"}):
         with pytest.raises(size_report.Disagreement, match="written"):
-            size_report.compare([wrong], [right])
-    size_report.compare([[*right[:-1], 2310]], [right])  # instructions within 3 %
-    with pytest.raises(size_report.Disagreement, match="number of cores"):
+            size_report.compare([dataclasses.replace(right, **wrong)], [right])
+    size_report.compare([dataclasses.replace(right, lift=2310)], [right])  # within 3 %
+    with pytest.raises(size_report.Disagreement, match="number of rows"):
         size_report.compare([], [right])
+
+
+def test_a_table_is_read_as_it_was_written():
+    rows = size_report.parse(marks.read(size_report.COSTS, "costs"))
+    assert len(rows) == len(TARGETS) * len(size_report.VARIANTS)
+    assert size_report.parse(size_report.full_table(rows)) == rows
 
 
 def test_a_table_replaces_what_is_between_its_marks(tmp_path):

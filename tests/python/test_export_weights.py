@@ -1,4 +1,5 @@
-"""export_weights.py: every format gives the same header, which holds exactly the weights."""
+"""weights.py and export_weights.py: every format gives the same header, which holds exactly the
+weights.  What quantised headers hold is tested in test_quantise.py."""
 
 import hashlib
 import json
@@ -15,6 +16,8 @@ import numpy as np
 import pytest
 
 import export_weights
+import quantise
+import weights as weight_files
 from export_weights import ExportError, Settings, hex_float, main, read_layers, write_header
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -486,14 +489,16 @@ def test_model(header: Path) -> None:
     assert model[0] == '    "fconn_f32",'
     assert model[2:] == [
         "    edml__fconn_f32,",
+        "    NULL,",
         "    edml__fconn_hash_f32,",
         "    fconn_f32_layers,",
         "    3, /* layers */",
         "    10, /* fewest joints */",
-        "    0x1.ap2F, /* widest: 6.5 */",
+        f"    {{0x1.ap2F, {13 << 23}}}, /* widest: 6.5 */",
         "    EDML_STRESS_NONE,",
         "    0, /* refinement steps */",
-        "    {0x1p-1F, -0x1.4p0F, 0x1.99999ap-4F, 0x1p1F, 0}, /* mirror */",
+        f"    {{{{0x1p-1F, {1 << 23}}}, {{-0x1.4p0F, {-5 << 22}}}, {{0x1.99999ap-4F, 1677722}}, "
+        f"{{0x1p1F, {2 << 24}}}, {{0, 0}}}}, /* mirror */",
         "};",
     ]
 
@@ -502,9 +507,11 @@ def test_constants_are_those_of_the_library() -> None:
     text = MODEL_H.read_text() + (ROOT / "include" / "edmlift.h").read_text()
     for name, value in {
         "EDML_WEIGHTS_FORMAT ": export_weights.FORMAT,
-        "EDML_PAIRS ": export_weights.PAIRS,
+        "EDML_PAIRS ": weight_files.PAIRS,
         "EDML_ROWS = ": export_weights.ROWS,
-        "EDML_LAYER_WIDEST = ": export_weights.WIDEST,
+        "EDML_LAYER_WIDEST = ": weight_files.WIDEST,
+        "EDML_ACTIVATION = ": quantise.ACTIVATION,
+        "EDML_EDM_SHIFT = ": quantise.EDM_SHIFT,
     }.items():
         assert re.search(rf"{name}(\d+)", text)[1] == str(value)
 
@@ -569,8 +576,8 @@ CHECKSUM_C = """\
 #include "out.h"
 #include <string.h>
 
-void edml__fconn_f32(float *d, const float *e, const edml_model *m, edml_work *w)
-{ (void)d, (void)e, (void)m, (void)w; }
+void edml__fconn_f32(float *d, const float *e, const edml_model *m, float x[2][EDML_LAYER_WIDEST])
+{ (void)d, (void)e, (void)m, (void)x; }
 uint32_t edml__fconn_hash_f32(const edml_model *m) { return m->checksum; }
 
 static uint32_t fnv1a(uint32_t h, const float *value, int count)
@@ -631,7 +638,8 @@ def test_the_library_computes_the_network(tmp_path: Path) -> None:
     save_npz(tmp_path / "net.npz", net)
     export(tmp_path, tmp_path / "net.npz")
     (tmp_path / "main.c").write_text(NETWORK_C)
-    sources = [tmp_path / "main.c", ROOT / "lib" / "fconn_f32.c", ROOT / "lib" / "model.c"]
+    parts = [ROOT / "lib" / name for name in ("fconn_f32.c", "net_f32.c", "model.c")]
+    sources = [tmp_path / "main.c", *parts]
     paths = [f"-I{ROOT / 'lib'}", f"-I{ROOT / 'include'}", "-o", str(tmp_path / "main")]
     subprocess.run(["gcc", "-std=c99", "-O2", *map(str, sources), *paths], check=True)
     x = np.random.default_rng(3).uniform(0, 2, 91).astype(np.float32)
@@ -647,7 +655,8 @@ def test_the_library_computes_the_network(tmp_path: Path) -> None:
 def test_other_format_does_not_compile(tmp_path: Path, header: Path) -> None:
     (tmp_path / "lib").mkdir()
     text = MODEL_H.read_text()
-    other = text.replace("EDML_WEIGHTS_FORMAT 1", "EDML_WEIGHTS_FORMAT 2")
+    line = f"EDML_WEIGHTS_FORMAT {export_weights.FORMAT}"
+    other = text.replace(line, f"{line}1")
     assert other != text
     (tmp_path / "lib" / "model.h").write_text(other)
     result = compile_header("gcc", ["-std=c99"], header, tmp_path / "lib" / "model.h")
@@ -724,7 +733,7 @@ def test_state_dict_of_another_network(tmp_path: Path, capsys, net: Net) -> None
         assert message in refused(tmp_path, capsys, tmp_path / "net.safetensors")
 
 
-@pytest.mark.parametrize("suffix", export_weights.READERS)
+@pytest.mark.parametrize("suffix", weight_files.READERS)
 @pytest.mark.parametrize("content", [b"", b"nonsense\0" * 50, b"PK\x03\x04", b"\x89HDF\r\n\x1a\n"])
 def test_damaged_file(tmp_path: Path, capsys, suffix: str, content: bytes) -> None:
     if suffix in (".pt", ".pth"):
@@ -857,7 +866,8 @@ def test_mat_without_a_network(tmp_path: Path, capsys) -> None:
         ({"fewest_joints": 3}, "fewest_joints must be 4 to 14"),
         ({"fewest_joints": 10.5}, "fewest_joints must be 4 to 14"),
         ({"fewest_joints": True}, "fewest_joints must be 4 to 14"),
-        ({"widest": 0}, "widest must be over 0"),
+        ({"widest": 0}, "widest must be over 0 and below 128"),
+        ({"widest": 128}, "widest must be over 0 and below 128"),
         ({"widest": float("nan")}, "widest must be over 0"),
         ({"widest": 1e-60}, "widest must be over 0"),
         ({"widest": "6"}, "widest must be over 0"),
@@ -865,7 +875,10 @@ def test_mat_without_a_network(tmp_path: Path, capsys) -> None:
         ({"refine_steps": 256}, "refine_steps must be 0 to 255"),
         ({"mirror": [1, 2, 3, 4]}, "mirror must be five numbers"),
         ({"mirror": [1, 2, 3, 4, 1e39]}, "mirror must be five numbers"),
+        ({"mirror": [1, 2, 3, 4, -128]}, "mirror must be five numbers between -128 and 128"),
         ({"metrics": {"gt": "45"}}, "metrics must be numbers by column"),
+        ({"metrics_q7": {"gt": None}}, "metrics_q7 must be numbers by column"),
+        ({"calibration": []}, "calibration must be an object"),
         ({"recipe": "mds"}, "recipe must be an object"),
     ],
 )
