@@ -70,7 +70,7 @@ static void scattered_joints(void)
 {
     rng r = rng_seed(82);
     int lifted = 0;
-    for (int n = 0; n < 5000; n++) {
+    for (int n = 0; n < 20000; n++) {
         const int shift = 3 + n % 17;
         for (int j = 0; j < EDML_JOINTS; j++) {
             in[j].x = (int32_t)(rng_bits(&r) >> shift);
