@@ -197,7 +197,7 @@ typedef struct {
     uint16_t steps;
 } edml_placement_q16;
 
-/* edml_place() and edml_place_sweep() on whole numbers; width and height under 4096 pixels, Q16. */
+/* edml_place() and edml_place_sweep() on whole numbers; width and height in Q16. */
 edml_status edml_place_q24(edml_placement_q16 *placement, const edml_pose_q16 *pose,
                            const edml_keypoint_q16 in[EDML_JOINTS], const edml_camera_q16 *camera,
                            edml_work_q24 *work);

@@ -43,12 +43,15 @@ typedef edml_point_q16 placed_point;
 #define RESULT(a) (((a) + 128) >> 8)
 #define GIVEN(a) ((a) * 256)             /* |a| < 128 */
 
-#define FINITE(a) ((a) > -(1 << 29) && (a) < 1 << 29) /* 8192 pixels; confidences always */
+#define FINITE(a) in_range_q24(a)
 #define EXACT_TO (256 << 16) /* pixels: 24 bits, as many as a float has */
 #define RUNS(model) ((model)->predict_q24 != NULL)
 
 /* Shifting a negative number to the right must round down, as it does everywhere; C leaves it open. */
 typedef char shifts_are_arithmetic[(-3 >> 1) == -2 ? 1 : -1];
+
+/* Coordinates within 8192 pixels; confidences always. */
+static inline int in_range_q24(int32_t a) { return a > -(1 << 29) && a < 1 << 29; }
 
 /* To the nearest; |a b| < 128. */
 static inline real mul_q24(real a, real b)

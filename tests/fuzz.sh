@@ -1,5 +1,5 @@
 #!/bin/sh
-# Fuzzes edml_lift with clang's libFuzzer:  fuzz.sh FOLDER [SECONDS]
+# Fuzzes both lifts with clang's libFuzzer:  fuzz.sh FOLDER [SECONDS]
 # Exit status 77 where clang or its runtime is missing.
 set -eu
 folder=$1
@@ -13,9 +13,14 @@ if ! echo 'int LLVMFuzzerTestOneInput(const char *d, long n); int LLVMFuzzerTest
     echo "fuzz.sh: no clang with libFuzzer: skipped"
     exit 77
 fi
+includes="-I$root/include -I$root/lib -I$root/tests/check"
+# shellcheck disable=SC2086 # one word a folder
+clang -x c++ -std=gnu++11 -O1 -g -fsanitize=$sanitizers -fno-sanitize=function $includes -c "$root/tests/check/check.cpp" \
+    -o "$folder/check.o"
+# shellcheck disable=SC2086
 clang -std=c99 -O1 -g -ffp-contract=off -fsanitize=$sanitizers -fno-sanitize-recover=all \
-    -DEDML_LIBFUZZER -I"$root/include" -I"$root/lib" \
-    "$root/tests/fuzz_lift.c" "$root"/lib/*.c -lm -o "$folder/fuzz_lift"
+    -DEDML_LIBFUZZER $includes \
+    "$root/tests/fuzz_lift.c" "$root"/lib/*.c "$folder/check.o" -lm -o "$folder/fuzz_lift"
 # Inputs that exactly fill the 14 keypoints and the byte before them.
 "$folder/fuzz_lift" -seed=1 -max_total_time="$seconds" -max_len=169 -len_control=0 \
     -artifact_prefix="$folder/" -print_final_stats=1 "$folder/corpus"

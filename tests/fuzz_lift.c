@@ -1,4 +1,5 @@
-/* Any bytes into edml_lift: a status that exists, and with it either a sound pose or none.
+/* Any bytes into edml_lift and edml_lift_q24: a status that exists, and with it either a sound pose or
+ * none; in fixed point no overflow, by the numbers that watch themselves (check/).
  *
  * With libFuzzer (fuzz.sh) or, with its own main, on pseudo-random inputs: fuzz [COUNT].
  *
@@ -9,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "check.h"
 #include "edmlift.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -50,9 +52,14 @@ static void check_pose(const edml_pose *pose)
     }
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static void check_status(edml_status status)
 {
-    if (size < INPUT_BYTES) return 0;
+    require(edml_status_name(status)[0] != '?', "an unknown status");
+    require(status != EDML_ERR_ARGUMENT && status != EDML_ERR_MODEL, "a status without a cause");
+}
+
+static void lift_floats(const uint8_t *data)
+{
     edml_keypoint in[EDML_JOINTS];
     edml_pose pose, untouched;
     edml_work work;
@@ -62,12 +69,67 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     read_keypoints(in, data);
 
     const edml_status status = edml_lift(&pose, in, &edml_fconn_f32, &work);
-    require(edml_status_name(status)[0] != '?', "an unknown status");
-    require(status != EDML_ERR_ARGUMENT && status != EDML_ERR_MODEL, "a status without a cause");
+    check_status(status);
     if (status == EDML_OK)
         check_pose(&pose);
     else
         require(memcmp(&pose, &untouched, sizeof pose) == 0, "refused, but the pose was written");
+}
+
+/* As they are, or in 16-bit tenths of pixels, or such ones spread over the whole range. */
+static void read_keypoints_q16(edml_keypoint_q16 in[EDML_JOINTS], const uint8_t *data)
+{
+    const int32_t unit = data[0] % 4 == 1 ? 65536 / 10 : 1 << data[0] / 4 % 15;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const uint8_t *bytes = data + 1 + j * JOINT_BYTES;
+        memcpy(&in[j].x, bytes, 4);
+        memcpy(&in[j].y, bytes + 4, 4);
+        memcpy(&in[j].c, bytes + 8, 2);
+        if (data[0] % 4 == 0) continue;
+        in[j].x = (int32_t)(bytes[0] | bytes[1] << 8) * unit;
+        in[j].y = (int32_t)(bytes[2] | bytes[3] << 8) * unit;
+        in[j].c = bytes[4] < 16 ? 0 : bytes[4];
+        if (data[0] % 4 < 3) continue;
+        in[j].x -= 32768 * unit;
+        in[j].y -= 32768 * unit;
+    }
+}
+
+static void check_pose_q16(const edml_pose_q16 *pose)
+{
+    const int32_t *number = &pose->joint[0].x, limit = 16 << 16; /* metres */
+    for (int n = 0; n < 3 * EDML_JOINTS; n++)
+        require(number[n] > -limit && number[n] < limit, "a joint is not near the hips");
+    require(pose->mirror_margin >= 0, "a bad margin");
+    require(pose->residual >= 0 && pose->residual < limit, "a bad residual");
+    require(pose->seen < 1 << EDML_JOINTS, "a joint that does not exist was seen");
+}
+
+static void lift_whole_numbers(const uint8_t *data)
+{
+    const edml_model *model = data[0] & 128 ? &edml_fconn_q15 : &edml_fconn_q7;
+    edml_keypoint_q16 in[EDML_JOINTS];
+    edml_pose_q16 pose, watched;
+    edml_work_q24 work;
+    check_tally taken;
+    memset(&pose, 0xA5, sizeof pose);
+    memset(&watched, 0xA5, sizeof watched);
+    memset(&work, data[0], sizeof work);
+    read_keypoints_q16(in, data);
+
+    const edml_status status = edml_lift_q24(&pose, in, model, &work);
+    check_status(status);
+    if (status == EDML_OK) check_pose_q16(&pose);
+    require(check_lift(&watched, in, model, &taken) == status, "another status of watched numbers");
+    require(taken.overflows == 0, "a number overflows");
+    require(memcmp(&pose, &watched, sizeof pose) == 0, "not the pose of watched numbers");
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (size < INPUT_BYTES) return 0;
+    lift_floats(data);
+    lift_whole_numbers(data);
     return 0;
 }
 

@@ -131,9 +131,14 @@ struct work_memory {
 #define ENDLESS wide::from(INT64_MAX)
 #define RESULT(a) (((a) + 128).value() >> 8)
 #define GIVEN(a) (real(a) * 256)
-#define FINITE(a) ((a) > -(1 << 29) && (a) < 1 << 29)
+#define FINITE(a) check_range(a)
 #define EXACT_TO (256 << 16)
 #define RUNS(model) ((model)->predict_q24 != NULL)
+
+static inline bool check_range(int32_t a) { return -(1 << 29) < a && a < 1 << 29; }
+static inline bool check_range(real a) { return check_range(a.value()); }
+template <typename T> bool check_range(T) = delete; /* nothing that would be narrowed */
+template <> inline bool check_range(int16_t a) { return check_range(int32_t{a}); }
 
 static inline real check_mul(real a, real b)
 {
