@@ -1,10 +1,12 @@
-/* What the parts of lift_stdin share: main.c reads lines and lifts, csv.c and jsonl.c know what a
- * line looks like, options.c the command line.
+/* What the parts of lift_stdin share: main.c reads lines and lifts, in fixed point by fixed.c; csv.c
+ * and jsonl.c know what a line looks like, options.c the command line.
  *
  * SPDX-License-Identifier: MIT
  */
 #ifndef LIFT_STDIN_H
 #define LIFT_STDIN_H
+
+#include <stddef.h>
 
 #include "edmlift.h"
 
@@ -16,7 +18,7 @@ typedef struct {
     const edml_format *format; /* NULL: the joints of edml_lift() themselves */
     float threshold;           /* a confidence up to this is none */
     float width, height;       /* pixels, for a format that counts in shares of the image */
-    int header, json;
+    int header, json, fixed;
 } options;
 
 /* Ends the program after an option that only prints, or that is wrong. */
@@ -43,6 +45,9 @@ typedef struct {
 
 extern const line_format csv, jsonl;
 void print_csv_header(void);
+
+/* Lifts in whole numbers; a coordinate that they cannot hold is not finite. */
+edml_status lift_fixed(edml_pose *pose, const edml_keypoint in[], const options *set);
 
 /* A detection: x, y and perhaps c. */
 edml_keypoint keypoint_of(const float *numbers, int count, float threshold);

@@ -41,11 +41,13 @@ static edml_status lift(edml_pose *pose, edml_keypoint in[], const options *set)
 {
     edml_keypoint joints[EDML_JOINTS];
     edml_work work;
-    if (set->format == NULL) return edml_lift(pose, in, set->model, &work);
-    for (int n = 0; n < set->format->keypoints && set->format->shares; n++) {
+    const int shares = set->format != NULL && set->format->shares;
+    for (int n = 0; n < keypoints_of(set) && shares; n++) {
         in[n].x *= set->width;
         in[n].y *= set->height;
     }
+    if (set->fixed) return lift_fixed(pose, in, set);
+    if (set->format == NULL) return edml_lift(pose, in, set->model, &work);
     edml_adapt(joints, in, set->format);
     return edml_lift(pose, joints, set->model, &work);
 }

@@ -8,8 +8,8 @@
 
 #include "lift_stdin.h"
 
-static const edml_model *const models[] = {&edml_fconn_f32};
-enum { MODELS = (int)(sizeof models / sizeof models[0]) };
+static const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_q15, &edml_fconn_q7};
+enum { MODELS = (int)(sizeof models / sizeof models[0]), FIRST_QUANTISED = 1 };
 
 static const char usage[] =
     "Usage: lift_stdin [OPTION]... < poses.csv > lifted.csv\n"
@@ -29,7 +29,9 @@ static const char usage[] =
     "  --json          lines of JSON: objects with \"keypoints\":[[x,y,c],...], where a keypoint may be\n"
     "                  [x,y], null or [null,null]; each comes out with all its members and \"status\",\n"
     "                  \"joints\":[[x,y,z],...], \"mirror_margin\" and \"residual\"\n"
-    "  --model NAME    network to use (default: the first of --list-models)\n"
+    "  --model NAME    network to use (default: the first of --list-models; with --fixed fconn_q15)\n"
+    "  --fixed         lift in fixed point, as on a core without an FPU; coordinates must be within\n"
+    "                  8192 pixels\n"
     "  --threshold C   keypoints with confidence <= C are not seen (default: 0)\n"
     "  --header        print the names of the columns first\n"
     "  --list-formats  print the names of the formats and how many keypoints they have, and exit\n"
@@ -153,7 +155,7 @@ static void print_and_exit(const char *option)
 
 options read_options(char **argv)
 {
-    options set = {models[0], NULL, 0, 0, 0, 0, 0};
+    options set = {NULL, NULL, 0, 0, 0, 0, 0, 0};
     for (int i = 1; argv[i] != NULL; i++) {
         if (set_value(&set, argv, &i)) continue;
         print_and_exit(argv[i]);
@@ -161,11 +163,16 @@ options read_options(char **argv)
             set.header = 1;
         } else if (strcmp(argv[i], "--json") == 0) {
             set.json = 1;
+        } else if (strcmp(argv[i], "--fixed") == 0) {
+            set.fixed = 1;
         } else {
             fprintf(stderr, "lift_stdin: unknown option '%s'; see --help\n", argv[i]);
             exit(EXIT_TROUBLE);
         }
     }
+    if (set.model == NULL) set.model = models[set.fixed ? FIRST_QUANTISED : 0];
+    if (set.fixed && set.model == &edml_fconn_f32)
+        refuse("--fixed takes a quantised network, fconn_q15 or fconn_q7, not fconn_f32");
     const int shares = set.format != NULL && set.format->shares;
     if (shares && set.width == 0)
         refuse("this format counts in shares of the image: say its size with --image WIDTH,HEIGHT");

@@ -375,8 +375,8 @@ def test_unknown_model_lists_the_known(model: str):
 def test_help_names_every_option():
     result = run("", "--help")
     assert (result.returncode, result.stderr) == (0, b"")
-    options = "--format --image --json --model --threshold --header --list-formats --list-models"
-    for word in (*options.split(), "--version", "bad_line"):
+    options = "--format --image --json --fixed --model --threshold --header"
+    for word in (*options.split(), "--list-formats", "--list-models", "--version", "bad_line"):
         assert word in result.stdout.decode()
     assert max(map(len, result.stdout.decode().splitlines())) <= 100
 
@@ -735,3 +735,56 @@ def test_5000_lines_of_garbage():
     bad = statuses(table).count("bad_line")
     assert result.stderr.decode().endswith(f"lift_stdin: bad lines: {bad}\n")
     assert result.stderr.decode().count("lift_stdin: line ") == bad
+
+
+# ---- Fixed point -------------------------------------------------------------------------------
+
+
+def test_fixed_point_prints_what_the_library_lifts() -> None:
+    table = lift("\n".join(map(text, WALK)), "--fixed")
+    poses = edmlift.Library("fconn_q15", fixed=True).lift(WALK)
+    assert statuses(table) == list(poses.status)
+    found = np.array([numbers(row)[:42] for row in table]).reshape(-1, 14, 3)
+    np.testing.assert_allclose(found, poses.joints, atol=2e-6)
+    assert not np.array_equal(found[0], numbers(ANSWER)[:42].reshape(14, 3))
+
+
+@pytest.mark.parametrize("model", ["fconn_q15", "fconn_q7"])
+def test_a_quantised_network_runs_in_float_and_in_fixed_point(model: str) -> None:
+    plain, fixed = (lift(GOOD, "--model", model, *more)[0] for more in ([], ["--fixed"]))
+    assert plain[0] == fixed[0] == "ok"
+    np.testing.assert_allclose(numbers(fixed)[:42], numbers(plain)[:42], atol=1e-3)
+
+
+def test_fixed_point_refuses_what_it_cannot_hold() -> None:
+    far, nan, huge = (WALK[0].copy() for _ in range(3))
+    far[:, 0] += 8192
+    nan[3, 2] = np.nan
+    huge[5, 1] = 1e30
+    lines = "\n".join(map(text, (far, nan, huge, unseen([3]), unseen(LEGS), WALK[0])))
+    table = lift(lines, "--fixed")
+    expected = ["not_finite", "not_finite", "not_finite", "ok", "too_few_joints", "ok"]
+    assert statuses(table) == expected
+
+
+def test_fixed_point_reads_formats_and_json() -> None:
+    keypoints = np.zeros((17, 3))
+    keypoints[5:, 2] = keypoints[:5, 2] = 0.9
+    order = [5, 2, 6, 3, 7, 4, 11, 8, 12, 9, 13, 10]  # of COCO's shoulders to ankles
+    keypoints[5:, :2] = WALK[0][order, :2]
+    keypoints[:5, :2] = WALK[0][0, :2] + [[0, 25], [5, 22], [-5, 22], [10, 24], [-10, 24]]
+    plain = lift(text(keypoints), "--format", "coco17")[0]
+    fixed = lift(text(keypoints), "--format", "coco17", "--fixed")[0]
+    assert plain[0] == fixed[0] == "ok"
+    np.testing.assert_allclose(numbers(fixed)[:42], numbers(plain)[:42], atol=5e-3)
+    line = json.dumps({"keypoints": keypoints.tolist()})
+    answer = json.loads(run(line, "--format", "coco17", "--fixed", "--json").stdout)
+    np.testing.assert_allclose(np.ravel(answer["joints"]), numbers(fixed)[:42], atol=2e-6)
+
+
+def test_fixed_point_says_which_networks_it_takes() -> None:
+    result = run(GOOD, "--fixed", "--model", "fconn_f32")
+    assert result.returncode == 2 and result.stdout == b""
+    assert result.stderr == (
+        b"lift_stdin: --fixed takes a quantised network, fconn_q15 or fconn_q7, not fconn_f32\n"
+    )
