@@ -86,7 +86,8 @@ typedef struct {
     X(EDML_ERR_DEGENERATE, -4, "degenerate")         /* on a point or line, or of no height */    \
     X(EDML_ERR_UNUSUAL, -5, "unusual")               /* wider for its height than any training pose */ \
     X(EDML_ERR_MODEL, -6, "model")                   /* the model's data do not match its checksum, or are floats \
-                                                        where whole numbers are wanted */
+                                                        where whole numbers are wanted */     \
+    X(EDML_ERR_CAMERA, -7, "camera")                 /* not a camera, or one that cannot have seen that */
 
 #define EDML_STATUS_ENUM(name, value, text) name = value,
 typedef enum { EDML_STATUSES(EDML_STATUS_ENUM) } edml_status;
@@ -154,6 +155,50 @@ const edml_format *edml_format_find(const char *name);
 void edml_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[],
                 const edml_format *format);
 
+/* ---- The camera's frame ------------------------------------------------------------------- */
+
+/* A pinhole camera, pixels.  A lens with distortion: undistort the keypoints first. */
+typedef struct {
+    float fx, fy, cx, cy; /* focal lengths, > 0, and principal point */
+} edml_camera;
+
+typedef struct {
+    edml_point joint[EDML_JOINTS]; /* metres, camera axes, origin at the camera's centre */
+    edml_point rotation[3];        /* rows; joint = rotation * pose.joint + translation ... */
+    edml_point translation;        /* ... in metres: where the pose's origin, mid-hip, is */
+    float reprojection; /* pixels: RMS distance of the seen joints from where they should be seen,
+                           weighted by confidence */
+    uint16_t steps;     /* of the iterations, at most 53 */
+} edml_placement;
+
+/* Places a pose before the camera, so that its joints are seen where they were.  Orthogonal
+ * iteration (Lu, Hager, Mjolsness, "Fast and globally convergent pose estimation from video images",
+ * 2000) from two starts, sped up by Newton's steps, and a few more on the error in the image.
+ *   pose    as from edml_lift(), or any 14 points within 4 m of their origin, however turned
+ *   in      the keypoints that it was lifted from; each counts by its confidence, and not at all
+ *           below a thousandth of all confidence
+ *   work    may be that of the lift
+ * What the size of the person is off by, the distance is off by, too: one image shows no more.
+ * Besides EDML_ERR_ARGUMENT and EDML_ERR_NOT_FINITE (also of a joint beyond 4 m):
+ *   EDML_ERR_TOO_FEW_JOINTS  fewer than 7 joints seen
+ *   EDML_ERR_DEGENERATE      joints or image on a line, or under 1/64 m or 1/4 degree (RMS)
+ *   EDML_ERR_CAMERA          not a camera; a joint seen more than 63 degrees off its axis or 60 off
+ *                            the person; a joint behind it, or much nearer than the person; a person
+ *                            beyond 100 m; a joint that is off by more than the person's size */
+edml_status edml_place(edml_placement *placement, const edml_pose *pose,
+                       const edml_keypoint in[EDML_JOINTS], const edml_camera *camera,
+                       edml_work *work);
+
+/* The same by a camera of unknown focal length, its principal point in the middle of the image: of
+ * 12 from 0.5 to 4 times the image's height, the one of least reprojection error (section 4 of the
+ * paper).  People some metres away look nearly the same through all of them: distance and focal
+ * length are found together, badly, and only their ratio well.  Calibrate where distance matters.
+ *   camera         the one that was chosen
+ *   width, height  of the image, pixels */
+edml_status edml_place_sweep(edml_placement *placement, edml_camera *camera, const edml_pose *pose,
+                             const edml_keypoint in[EDML_JOINTS], float width, float height,
+                             edml_work *work);
+
 /* ---- Lift in fixed point ------------------------------------------------------------------ */
 
 /* The same without one float instruction, the same bits on every processor: for cores without an
@@ -186,6 +231,25 @@ typedef struct edml_work_q24 edml_work_q24;
  *   model  &edml_fconn_q15 or &edml_fconn_q7; a float one is EDML_ERR_MODEL */
 edml_status edml_lift_q24(edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS],
                           const edml_model *model, edml_work_q24 *work);
+
+typedef struct {
+    int32_t fx, fy, cx, cy; /* pixels, Q16, each under 8192 */
+} edml_camera_q16;
+
+typedef struct {
+    edml_point_q16 joint[EDML_JOINTS], rotation[3], translation; /* as in edml_placement, Q16 */
+    int32_t reprojection;                                        /* Q16, pixels */
+    uint16_t steps;
+} edml_placement_q16;
+
+/* edml_place() and edml_place_sweep() on whole numbers; width and height in Q16. */
+edml_status edml_place_q24(edml_placement_q16 *placement, const edml_pose_q16 *pose,
+                           const edml_keypoint_q16 in[EDML_JOINTS], const edml_camera_q16 *camera,
+                           edml_work_q24 *work);
+edml_status edml_place_sweep_q24(edml_placement_q16 *placement, edml_camera_q16 *camera,
+                                 const edml_pose_q16 *pose,
+                                 const edml_keypoint_q16 in[EDML_JOINTS], int32_t width,
+                                 int32_t height, edml_work_q24 *work);
 
 /* ---- The stages, in the order in which data flow ------------------------------------------ */
 

@@ -4,6 +4,7 @@
  */
 #include "real_f32.h"
 
+#include "seen.inc"
 #include "vector.inc"
 
 #include "edm.inc"

@@ -4,6 +4,7 @@
  */
 #include "real_q24.h"
 
+#include "seen.inc"
 #include "vector.inc"
 
 #include "edm.inc"

@@ -12,7 +12,7 @@
  *   EPSILON       what rounding may leave of a zero, absolutely; a float's rounding is relative
  *   FINITE        is a coordinate a number and in range?
  *   EXACT_TO      coordinates are rounded like ones of this magnitude, or more coarsely
- *   RESULT        a real as the pose holds it
+ *   RESULT GIVEN  a real as the pose holds it, and back
  *   RUNS          can this arithmetic run that model?
  *
  * The ranges in the stages' comments are what fixed point relies on.
@@ -34,9 +34,14 @@ typedef edml_point point;
 typedef edml_pose pose;
 typedef edml_work work_memory;
 typedef edml_rotation_f32 rotation;
+typedef edml_camera camera;
+typedef edml_placement placement;
+typedef edml_point placed_point;
 
 #define NAME(x) x##_f32
-#define edml_lift_f32 edml_lift /* the public name of the float pipeline has no suffix */
+#define edml_lift_f32 edml_lift /* the public names of the float pipeline have no suffix */
+#define edml_place_f32 edml_place
+#define edml_place_sweep_f32 edml_place_sweep
 
 #define REAL(constant) constant##F
 #define SETTING(number) (number).f32
@@ -53,6 +58,7 @@ typedef edml_rotation_f32 rotation;
 #define IN_REACH(square) 1
 #define ENDLESS HUGE_VALF
 #define RESULT(a) (a)
+#define GIVEN(a) (a)
 
 #define FINITE(a) ((a) - (a) == 0.0F) /* false for NaN and infinity */
 #define EXACT_TO 0.0F

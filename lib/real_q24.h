@@ -2,7 +2,7 @@
  * fraction bits, from -128 to 128 in steps of 6e-8.  What the words mean is said in real_f32.h.
  *
  * Nothing saturates and nothing is checked here: each stage says why its numbers stay in range, and
- * tests/check.cpp compiles the stages with numbers that stop at the first one which does not.
+ * tests/check/check.cpp compiles the stages with numbers that stop at the first one which does not.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,6 +20,9 @@ typedef edml_point_q24 point;
 typedef edml_pose_q16 pose;
 typedef edml_work_q24 work_memory;
 typedef edml_rotation_q24 rotation;
+typedef edml_camera_q16 camera;
+typedef edml_placement_q16 placement;
+typedef edml_point_q16 placed_point;
 
 #define NAME(x) x##_q24
 
@@ -38,6 +41,7 @@ typedef edml_rotation_q24 rotation;
 #define IN_REACH(square) ((square) < 64 << 24) /* m^2 */
 #define ENDLESS INT64_MAX
 #define RESULT(a) (((a) + 128) >> 8)
+#define GIVEN(a) ((a) * 256)             /* |a| < 128 */
 
 #define FINITE(a) in_range_q24(a)
 #define EXACT_TO (256 << 16) /* pixels: 24 bits, as many as a float has */

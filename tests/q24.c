@@ -35,6 +35,32 @@ void to_q16(edml_keypoint_q16 out[EDML_JOINTS], const edml_keypoint in[EDML_JOIN
     }
 }
 
+static int32_t q16(float value) { return saturate(65536.0 * (double)value, INT32_MIN, INT32_MAX); }
+
+static float from_q16(int32_t value) { return (float)(value / 65536.0); }
+
+static edml_point point_from_q16(edml_point_q16 p)
+{
+    const edml_point q = {from_q16(p.x), from_q16(p.y), from_q16(p.z)};
+    return q;
+}
+
+void pose_to_q16(edml_pose_q16 *out, const edml_pose *pose)
+{
+    memset(out, 0, sizeof *out);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        out->joint[j].x = q16(pose->joint[j].x);
+        out->joint[j].y = q16(pose->joint[j].y);
+        out->joint[j].z = q16(pose->joint[j].z);
+    }
+}
+
+edml_camera_q16 camera_to_q16(edml_camera camera)
+{
+    const edml_camera_q16 out = {q16(camera.fx), q16(camera.fy), q16(camera.cx), q16(camera.cy)};
+    return out;
+}
+
 static edml_work_q24 memory;
 static int32_t values[EDML_PAIRS];
 static edml_point_q24 points[EDML_JOINTS];
@@ -145,4 +171,49 @@ void q24_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const e
         out[j].y = (float)(joint[j].y / 65536.0);
         out[j].c = (float)(joint[j].c / 32768.0);
     }
+}
+
+static void from_placement_q16(edml_placement *out, const edml_placement_q16 *placed)
+{
+    for (int j = 0; j < EDML_JOINTS; j++) out->joint[j] = point_from_q16(placed->joint[j]);
+    for (int i = 0; i < 3; i++) out->rotation[i] = point_from_q16(placed->rotation[i]);
+    out->translation = point_from_q16(placed->translation);
+    out->reprojection = from_q16(placed->reprojection);
+    out->steps = placed->steps;
+}
+
+edml_status q24_place(edml_placement *placement, const edml_pose *pose,
+                      const edml_keypoint in[EDML_JOINTS], const edml_camera *camera,
+                      edml_work *work)
+{
+    edml_pose_q16 given;
+    edml_camera_q16 by;
+    edml_placement_q16 placed;
+    if (pose != NULL) pose_to_q16(&given, pose);
+    if (in != NULL) to_q16(keypoints, in);
+    if (camera != NULL) by = camera_to_q16(*camera);
+    const edml_status status = edml_place_q24(
+        placement != NULL ? &placed : NULL, pose != NULL ? &given : NULL, in != NULL ? keypoints : NULL,
+        camera != NULL ? &by : NULL, work != NULL ? &memory : NULL);
+    if (status == EDML_OK) from_placement_q16(placement, &placed);
+    return status;
+}
+
+edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, const edml_pose *pose,
+                            const edml_keypoint in[EDML_JOINTS], float width, float height,
+                            edml_work *work)
+{
+    edml_pose_q16 given;
+    edml_camera_q16 found;
+    edml_placement_q16 placed;
+    if (pose != NULL) pose_to_q16(&given, pose);
+    if (in != NULL) to_q16(keypoints, in);
+    const edml_status status = edml_place_sweep_q24(
+        placement != NULL ? &placed : NULL, camera != NULL ? &found : NULL, pose != NULL ? &given : NULL,
+        in != NULL ? keypoints : NULL, q16(width), q16(height), work != NULL ? &memory : NULL);
+    if (status != EDML_OK) return status;
+    from_placement_q16(placement, &placed);
+    const edml_camera by = {from_q16(found.fx), from_q16(found.fy), from_q16(found.cx), from_q16(found.cy)};
+    *camera = by;
+    return status;
 }

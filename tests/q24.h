@@ -12,6 +12,8 @@
 #include "edmlift.h"
 
 void to_q16(edml_keypoint_q16 out[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS]);
+void pose_to_q16(edml_pose_q16 *out, const edml_pose *pose);
+edml_camera_q16 camera_to_q16(edml_camera camera);
 
 edml_status q24_edm(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest,
                     float widest);
@@ -28,6 +30,12 @@ void q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], 
 edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
                      edml_work *work);
 void q24_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const edml_format *format);
+edml_status q24_place(edml_placement *placement, const edml_pose *pose,
+                      const edml_keypoint in[EDML_JOINTS], const edml_camera *camera,
+                      edml_work *work);
+edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, const edml_pose *pose,
+                            const edml_keypoint in[EDML_JOINTS], float width, float height,
+                            edml_work *work);
 
 #ifdef EDML_TEST_Q24
 #define edml_edm_f32 q24_edm
@@ -40,6 +48,8 @@ void q24_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const e
 #define edml_orient_f32 q24_orient
 #define edml_lift q24_lift
 #define edml_adapt q24_adapt
+#define edml_place q24_place
+#define edml_place_sweep q24_place_sweep
 #define edml_fconn_f32 edml_fconn_q15
 #endif
 

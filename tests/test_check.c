@@ -181,6 +181,87 @@ static void crowds_three_metres_apart(void)
     }
 }
 
+/* ---- Placements ---------------------------------------------------------------------------------- */
+
+static int place_both(const edml_pose *pose, const edml_camera *by)
+{
+    edml_placement_q16 expected, found;
+    edml_pose_q16 given;
+    check_tally taken;
+    const edml_camera_q16 camera = camera_to_q16(*by);
+    pose_to_q16(&given, pose);
+    memset(&expected, 0, sizeof expected);
+    memset(&found, 0, sizeof found);
+    const edml_status status = edml_place_q24(&expected, &given, in, &camera, &work);
+    TEST_ASSERT_EQUAL_INT(status, check_place(&found, &given, in, &camera, &taken));
+    TEST_ASSERT_SAME_BYTES(expected, found);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    return status == EDML_OK;
+}
+
+static float magnitude(rng *r, float least, float most)
+{
+    return least * powf(most / least, uniform(r, 0, 1));
+}
+
+/* Someone before a camera of any kind, near or far; or a pose and an image that are not the same. */
+static void random_scene(rng *r, int n, edml_pose *pose, edml_camera *by)
+{
+    edml_keypoint image[EDML_JOINTS];
+    edml_point x[EDML_JOINTS];
+    const float depth = magnitude(r, 1, 150), noise = n % 4 < 2 ? 0 : magnitude(r, 0.1F, 100);
+    by->fx = magnitude(r, 100, 6000);
+    by->fy = by->fx * uniform(r, 0.5F, 2);
+    by->cx = uniform(r, -1000, 3000);
+    by->cy = uniform(r, -1000, 3000);
+    random_human(r, x);
+    rotate(x, random_rotation(r), x);
+    memcpy(pose->joint, x, sizeof x);
+    if (n % 8 == 7) random_points(r, pose->joint, magnitude(r, 0.01F, 4));
+    if (n % 8 == 5) pose->joint[rng_bits(r) % EDML_JOINTS].z = uniform(r, -4, 4);
+    rotate(pose->joint, random_rotation(r), pose->joint);
+    const float across = uniform(r, -1, 1), down = uniform(r, -1, 1);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const float z = x[j].z + depth > 0.1F ? x[j].z + depth : 0.1F;
+        image[j].x = by->cx + by->fx * (x[j].x + across * depth) / z + noise * gauss(r);
+        image[j].y = by->cy + by->fy * (x[j].y + down * depth) / z + noise * gauss(r);
+        image[j].c = n % 3 == 0 ? 1 : uniform(r, -0.2F, 1) * (rng_bits(r) % 8 == 0 ? 0.002F : 1);
+    }
+    to_q16(in, image);
+}
+
+static void placements(void)
+{
+    rng r = rng_seed(86);
+    int placed = 0;
+    for (int n = 0; n < 5000; n++) {
+        edml_pose pose;
+        edml_camera by;
+        random_scene(&r, n, &pose, &by);
+        placed += place_both(&pose, &by);
+    }
+    printf("check: %d of 5000 placed\n", placed);
+    TEST_ASSERT_TRUE(placed > 2500);
+}
+
+/* Anything at all, in an image of a quarter pixel or of the whole range. */
+static void placements_of_noise(void)
+{
+    rng r = rng_seed(87);
+    for (int n = 0; n < 5000; n++) {
+        const int shift = (int)(rng_bits(&r) % 16);
+        edml_pose pose;
+        random_points(&r, pose.joint, magnitude(&r, 0.01F, 4));
+        const edml_camera by = {magnitude(&r, 0.01F, 8191), magnitude(&r, 0.01F, 8191), 0, 0};
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x = (int32_t)rng_bits(&r) >> shift;
+            in[j].y = (int32_t)rng_bits(&r) >> shift;
+            in[j].c = (int16_t)(rng_bits(&r) % 32768);
+        }
+        place_both(&pose, &by);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -191,5 +272,7 @@ int main(void)
     RUN_TEST(any_distances_up_to_three_metres);
     RUN_TEST(distances_of_nothing_and_three_metres);
     RUN_TEST(crowds_three_metres_apart);
+    RUN_TEST(placements);
+    RUN_TEST(placements_of_noise);
     return UNITY_END();
 }

@@ -66,6 +66,33 @@
 #define ORIENT_EVEN_TOLERANCE 5e-6F  /* the same spread on all axes: no bias is left */
 #define ORIENT_FRAME_TOLERANCE 5e-5F /* rounding, enlarged by the division by a thin spread */
 
+/* ---- Camera ---- */
+/* Exact points of people 2 to 12 m away: degrees, share of the distance, pixels; and of 1.6 to 60 m. */
+#ifndef EDML_TEST_Q24 /* keypoints rounded to 3e-5 pixels; measured 0.0002, 3e-6 and 0.0001 */
+#define PLACE_DEGREES 0.002F
+#define PLACE_SHARE 1e-5F
+#define PLACE_PIXELS 0.001F
+#define PLACE_NOISY_PIXELS 0.002F
+#define PLACE_AXES 0.002F /* metres, with noise of 5 pixels: the steps end a little apart */
+#else /* points, rotation and pixels rounded to 2^-16; measured 0.0045, 3e-5 and 0.0043 */
+#define PLACE_DEGREES 0.01F
+#define PLACE_SHARE 1e-4F
+#define PLACE_PIXELS 0.01F
+#define PLACE_NOISY_PIXELS 0.005F
+#define PLACE_AXES 0.005F /* measured 0.0038 */
+#endif
+#define PLACE_FAR_DEGREES 0.05F
+#define PLACE_FAR_SHARE 1e-3F
+#define PLACE_JOINT 1e-3F        /* metres */
+#define PLACE_FLAT_PIXELS 0.1F
+#define PLACE_FLAT_SHARE 0.01F
+#define PLACE_FLAT_LOST 0
+#define PLACE_SWEEP_SHARE 0.01F
+
+#define STEP_ROTATION 1e-5F /* radians; where the best is twice as good as the next, or more */
+#define STEP_TRACE 2e-3F    /* of entries to 3: where two are nearly as good, either may be found */
+#define STEP_ERROR 1e-4F    /* relative: rounding at the minimum */
+
 /* ---- Lift ---- */
 #define LIFT_TOLERANCE 0.003F /* the tilt above: the person of helpers.c has 2 % in depth */
 #define LIFT_SCALED_TOLERANCE 1e-3F /* input rounded anew: a smooth network makes little of it */

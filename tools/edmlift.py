@@ -6,6 +6,7 @@ or point EDMLIFT_LIBRARY at one.
 
 import ctypes
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +23,16 @@ POSE = np.dtype(
         ("mirror_margin", np.float32),
         ("residual", np.float32),
         ("seen", np.uint16),
+    ],
+    align=True,
+)
+PLACEMENT = np.dtype(
+    [
+        ("joint", np.float32, (len(JOINTS), 3)),
+        ("rotation", np.float32, (3, 3)),
+        ("translation", np.float32, 3),
+        ("reprojection", np.float32),
+        ("steps", np.uint16),
     ],
     align=True,
 )
@@ -67,6 +78,19 @@ class Format(ctypes.Structure):
 NO_KEYPOINT = 255
 
 
+@dataclass(frozen=True)
+class Placements:
+    """What `place` returns for F poses; where status is not "ok" the numbers are NaN, steps 0."""
+
+    joints: np.ndarray  # [F,14,3] metres, camera axes, origin at the camera's centre
+    rotation: np.ndarray  # [F,3,3]: joints = rotation @ pose + translation
+    translation: np.ndarray  # [F,3] metres
+    reprojection: np.ndarray  # [F] RMS, pixels
+    focal: np.ndarray  # [F] pixels: given, or chosen by the sweep
+    steps: np.ndarray  # [F]
+    status: np.ndarray  # [F] names
+
+
 class Library:
     """The C library; `model` names one of its models, such as "fconn_f32".
 
@@ -103,11 +127,12 @@ class Library:
         else:
             poses, status = self._call(self._c.edml_lift, keypoints, POSE)
             unit = np.float32(1)
-        numbers = [poses[name] * unit for name in ("joint", "mirror_margin", "residual")]
+        names = ("joint", "mirror_margin", "residual")
+        numbers = [(poses[name] * unit).astype(np.float32) for name in names]
         for array in numbers:
             array[status != 0] = np.nan
-        names = np.array([self.status_name(s) for s in range(0, status.min(initial=0) - 1, -1)])
-        return Poses(*numbers, names[-status])
+        statuses = np.array([self.status_name(s) for s in range(0, status.min(initial=0) - 1, -1)])
+        return Poses(*numbers, statuses[-status])
 
     def _call(self, lift, keypoints: np.ndarray, pose: np.dtype) -> tuple[np.ndarray, np.ndarray]:
         """Poses [F] and status [F] of a C function that lifts one."""
@@ -138,6 +163,64 @@ class Library:
         for one, out in zip(keypoints, joints, strict=True):
             self._c.edml_adapt(_pointer(out), _pointer(one), ctypes.byref(layout))
         return joints
+
+    def place(
+        self, poses: np.ndarray, keypoints: np.ndarray, camera: tuple[float, float, float, float]
+    ) -> Placements:
+        """Places poses [F,14,3] before a camera (fx, fy, cx, cy) that sees keypoints [F,14,3]."""
+        intrinsics = np.array(camera, np.float32)
+
+        def run(_i: int, placement: int, camera: int, pose: int, seen: int) -> int:
+            pointers = map(ctypes.c_void_p, (placement, pose, seen, camera))
+            return self._c.edml_place(*pointers, self._work)
+
+        return self._placed(poses, keypoints, intrinsics, run)
+
+    def place_sweep(
+        self, poses: np.ndarray, keypoints: np.ndarray, size: np.ndarray | tuple[float, float]
+    ) -> Placements:
+        """The same by cameras of unknown focal length, of whose images `size` is the width and
+        height, [2] or [F,2]; the principal point is in the middle."""
+        sizes = np.broadcast_to(np.asarray(size, np.float32), (len(poses), 2))
+
+        def run(i: int, placement: int, camera: int, pose: int, seen: int) -> int:
+            pointers = map(ctypes.c_void_p, (placement, camera, pose, seen))
+            width, height = map(ctypes.c_float, sizes[i])
+            return self._c.edml_place_sweep(*pointers, width, height, self._work)
+
+        return self._placed(poses, keypoints, np.full(4, np.nan, np.float32), run)
+
+    def _placed(
+        self,
+        poses: np.ndarray,
+        keypoints: np.ndarray,
+        camera: np.ndarray,
+        run: Callable[[int, int, int, int, int], int],
+    ) -> Placements:
+        """Calls `run`, for each pose, with its number and pointers to placement, camera, pose and
+        keypoints."""
+        if poses.shape != keypoints.shape or poses.shape[1:] != (len(JOINTS), 3):
+            raise ValueError(
+                f"poses and keypoints must be [F,{len(JOINTS)},3], "
+                f"not {poses.shape} and {keypoints.shape}"
+            )
+        given = np.zeros(len(poses), POSE)
+        given["joint"] = poses
+        keypoints = _f32(keypoints)
+        placed = np.zeros(len(poses), PLACEMENT)
+        for field in ("joint", "rotation", "translation", "reprojection"):
+            placed[field] = np.nan
+        cameras = np.tile(camera, (len(poses), 1))
+        status = [
+            run(i, *(a[i : i + 1].ctypes.data for a in (placed, cameras, given, keypoints)))
+            for i in range(len(poses))
+        ]
+        return Placements(
+            *(placed[f] for f in ("joint", "rotation", "translation", "reprojection")),
+            np.where(np.array(status) == 0, cameras[:, 0], np.nan),
+            placed["steps"],
+            np.array([self.status_name(s) for s in status]),
+        )
 
     # The stages, one pose at a time.
 
@@ -201,7 +284,8 @@ OBJECTIVES = ("none", "square", "raw", "eq2")  # edml_objective
 
 def to_q16(keypoints: np.ndarray) -> np.ndarray:
     """Keypoints [F,14,3] as KEYPOINT_Q16 [F,14]; what is out of range, or NaN, its nearest end."""
-    keypoints = np.nan_to_num(np.asarray(keypoints, np.float64), nan=-np.inf)
+    keypoints = np.asarray(keypoints, np.float64)
+    keypoints = np.where(np.isnan(keypoints), -np.inf, keypoints)
     out = np.zeros(keypoints.shape[:2], KEYPOINT_Q16)
     out["at"] = np.round(np.clip(keypoints[..., :2] * 65536, -(2.0**31), 2.0**31 - 1))
     out["c"] = np.ceil(np.clip(keypoints[..., 2] * 32768, -(2.0**15), 2.0**15 - 1))

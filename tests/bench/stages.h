@@ -8,6 +8,7 @@ enum { POSES = 64, STEPS = 10 };
 
 static real edm[EDML_PAIRS], distance[EDML_PAIRS];
 static point x[EDML_JOINTS];
+static placement placed;
 
 /* A person of about 400 pixels' height, each joint off by up to 20 pixels. */
 static void make_pose(int i)
@@ -38,6 +39,17 @@ STAGE stage_refine(void) { NAME(edml_refine)(x, distance, EDML_STRESS_SQUARE, ST
 STAGE stage_mirror(void) { NAME(edml_mirror)(x, &MODEL); }
 STAGE stage_orient(void) { NAME(edml_orient)(x, in, 0x3FFF); }
 
+/* What lift.h lifted, before a camera of 1145 pixels' focal length. */
+STAGE stage_place(void)
+{
+#ifdef FIXED
+    static const camera by = {1145 << 16, 1145 << 16, 500 << 16, 500 << 16};
+#else
+    static const camera by = {1145, 1145, 500, 500};
+#endif
+    NAME(edml_place)(&placed, &out, in, &by, &work);
+}
+
 /* In the order in which data flow; the shipped models' lift goes without the refinement. */
 static const struct {
     const char *name;
@@ -45,5 +57,6 @@ static const struct {
 } stages[] = {
     {"edm", stage_edm},       {"net", stage_net},       {"mds", stage_mds},   {"refine", stage_refine},
     {"mirror", stage_mirror}, {"orient", stage_orient}, {"lift", stage_lift},
+    {"place", stage_place},
 };
 enum { STAGES = (int)(sizeof stages / sizeof stages[0]) };

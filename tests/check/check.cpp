@@ -3,6 +3,7 @@
 
 check_tally tally;
 
+#include "seen.inc"
 #include "vector.inc"
 
 #include "edm.inc"

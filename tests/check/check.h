@@ -33,6 +33,11 @@ void check_points(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
 int check_refine(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
                  edml_objective objective, int steps, check_tally *tally);
 
+/* edml_place_q24(), and what it took. */
+edml_status check_place(edml_placement_q16 *placement, const edml_pose_q16 *pose,
+                        const edml_keypoint_q16 in[EDML_JOINTS], const edml_camera_q16 *camera,
+                        check_tally *tally);
+
 #ifdef __cplusplus
 }
 #endif

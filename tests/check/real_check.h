@@ -81,6 +81,18 @@ struct rotation {
     uint8_t p, q;
 };
 
+typedef edml_point_q16 placed_point;
+
+struct camera {
+    pixels fx, fy, cx, cy;
+};
+
+struct placement {
+    placed_point joint[EDML_JOINTS], rotation[3], translation;
+    pixels reprojection;
+    uint16_t steps;
+};
+
 #define NAME(x) x##_check
 
 struct NAME(edml_matrix) {
@@ -118,9 +130,15 @@ struct work_memory {
 #define IN_REACH(square) ((square) < real(64 << 24))
 #define ENDLESS wide::from(INT64_MAX)
 #define RESULT(a) (((a) + 128).value() >> 8)
-#define FINITE(a) (-(1 << 29) < int32_t{a} && int32_t{a} < 1 << 29)
+#define GIVEN(a) (real(a) * 256)
+#define FINITE(a) check_range(a)
 #define EXACT_TO (256 << 16)
 #define RUNS(model) ((model)->predict_q24 != NULL)
+
+static inline bool check_range(int32_t a) { return -(1 << 29) < a && a < 1 << 29; }
+static inline bool check_range(real a) { return check_range(a.value()); }
+template <typename T> bool check_range(T) = delete; /* nothing that would be narrowed */
+template <> inline bool check_range(int16_t a) { return check_range(int32_t{a}); }
 
 static inline real check_mul(real a, real b)
 {

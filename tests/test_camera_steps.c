@@ -1,0 +1,209 @@
+/* camera.inc from within: what each step of the iteration does.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <stdio.h>
+
+#define all_finite all_seen_are_finite /* helpers.h has another */
+#include "camera_f32.c"
+#undef all_finite
+
+#include "helpers.h"
+
+static edml_work memory;
+static edml_pose someone;
+static axes truth; /* the rotation that places them, in the view */
+
+/* Someone 3 to 6 m away, noise in pixels on the image: a view of them. */
+static view random_view(rng *r, float noise)
+{
+    static const edml_camera by = {1145, 1145, 500, 500};
+    edml_keypoint image[EDML_JOINTS];
+    edml_point x[EDML_JOINTS];
+    view v;
+    v.joint = memory.use.step[0];
+    v.ray = memory.use.step[1];
+    v.a = memory.use.step[2];
+    v.b = memory.use.step[3];
+    const float depth = uniform(r, 3, 6), across = uniform(r, -1, 1);
+    const rotation3 turn = random_rotation(r);
+    random_human(r, someone.joint);
+    rotate(x, turn, someone.joint);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        image[j].x = 500 + 1145 * (x[j].x + across) / (x[j].z + depth) + noise * gauss(r);
+        image[j].y = 500 + 1145 * x[j].y / (x[j].z + depth) + noise * gauss(r);
+        image[j].c = uniform(r, 0.1F, 1);
+    }
+    TEST_ASSERT_EQUAL_INT(EDML_OK, prepare(&v, &someone, image, &by));
+    const axes in_camera_axes = {{(float)turn.at[0][0], (float)turn.at[0][1], (float)turn.at[0][2]},
+                                 {(float)turn.at[1][0], (float)turn.at[1][1], (float)turn.at[1][2]},
+                                 {(float)turn.at[2][0], (float)turn.at[2][1], (float)turn.at[2][2]}};
+    truth = after(&v.look, &in_camera_axes);
+    return v;
+}
+
+static axes random_axes(rng *r)
+{
+    const point v = {gauss(r), gauss(r), gauss(r)};
+    const float w = gauss(r), size = sqrtf(w * w + dot(v, v));
+    return rotation_of(w / size, over(v, size));
+}
+
+static float off_by(const axes *a, const axes *b) /* radians, when small */
+{
+    const float x = norm(minus(a->x, b->x)), y = norm(minus(a->y, b->y)), z = norm(minus(a->z, b->z));
+    return sqrtf((x * x + y * y + z * z) / 2);
+}
+
+/* ---- Absolute orientation ------------------------------------------------------------------------ */
+
+static void the_best_rotation_is_the_one_that_made_the_points(void)
+{
+    rng r = rng_seed(91);
+    for (int n = 0; n < 200; n++) {
+        const axes turn = random_axes(&r);
+        axes m = zero_matrix, found;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            const point p = {gauss(&r), gauss(&r), n % 2 ? 0 : gauss(&r)}; /* flat ones, too */
+            add_product(&m, turned(&turn, p), p);
+        }
+        TEST_ASSERT_TRUE(best_rotation(&found, &m));
+        TEST_ASSERT_ERROR_UP_TO(STEP_ROTATION, off_by(&found, &turn));
+    }
+}
+
+/* Also where the points are nearer to a mirror image: no rotation nearby has a larger trace. */
+static void the_best_rotation_is_a_rotation_and_the_best(void)
+{
+    rng r = rng_seed(92);
+    for (int n = 0; n < 200; n++) {
+        const axes m = {{gauss(&r), gauss(&r), gauss(&r)},
+                        {gauss(&r), gauss(&r), gauss(&r)},
+                        {gauss(&r), gauss(&r), gauss(&r)}};
+        axes found;
+        TEST_ASSERT_TRUE(best_rotation(&found, &m));
+        TEST_ASSERT_ERROR_UP_TO(STEP_ROTATION, dot(cross(found.x, found.y), found.z) - 1);
+        const float best = dot(found.x, m.x) + dot(found.y, m.y) + dot(found.z, m.z);
+        for (int k = 0; k < 50; k++) {
+            const axes other = random_axes(&r);
+            const point little = {0.1F * gauss(&r), 0.1F * gauss(&r), 0.1F * gauss(&r)};
+            const axes nudge = rotation_of(1, little), near = after(&nudge, &found);
+            TEST_ASSERT_TRUE(dot(other.x, m.x) + dot(other.y, m.y) + dot(other.z, m.z) < best + STEP_TRACE);
+            TEST_ASSERT_TRUE(dot(near.x, m.x) + dot(near.y, m.y) + dot(near.z, m.z) < best + STEP_TRACE);
+        }
+    }
+}
+
+/* ---- Orthogonal iteration -------------------------------------------------------------------------- */
+
+static void alternating_never_raises_the_error_in_space(void)
+{
+    rng r = rng_seed(93);
+    for (int n = 0; n < 300; n++) {
+        const view v = random_view(&r, n % 3 == 0 ? 0 : 10);
+        station s, next;
+        s.turn = random_axes(&r);
+        if (!place(&s, &v)) continue; /* behind the camera */
+        for (int k = 0; k < 50; k++) {
+            const float before = s.error;
+            next = s;
+            if (!alternate(&next, &v, &s)) { /* at the minimum, or behind the camera */
+                TEST_ASSERT_TRUE(next.shift.z <= 0 || next.error < before * (1 + STEP_ERROR) + 1e-12F);
+                break;
+            }
+            TEST_ASSERT_TRUE(next.error < before);
+            s = next;
+        }
+    }
+}
+
+/* The place for a rotation has the least error: none nearby has less. */
+static void places_are_the_best_for_their_rotation(void)
+{
+    rng r = rng_seed(94);
+    for (int n = 0; n < 100; n++) {
+        const view v = random_view(&r, 10);
+        station s, other;
+        s.turn = random_axes(&r);
+        if (!place(&s, &v)) continue;
+        for (int k = 0; k < 20; k++) {
+            const point aside = {0.05F * gauss(&r), 0.05F * gauss(&r), 0.05F * gauss(&r)};
+            other = s;
+            other.shift = plus(s.shift, aside);
+            TEST_ASSERT_TRUE(!measure(&other, &v, miss_of_line) || other.error > s.error);
+        }
+    }
+}
+
+/* Newton's steps and leaps included: the same minimum as that of hundreds of alternations. */
+static void descending_ends_where_alternating_does(void)
+{
+    rng r = rng_seed(95);
+    long plain = 0, quick = 0;
+    for (int n = 0; n < 200; n++) {
+        const view v = random_view(&r, 5);
+        station s, slow, next;
+        TEST_ASSERT_TRUE(start(&s, &v) && place(&s, &v));
+        slow = s;
+        const float before = s.error;
+        const int steps = descend(&s, &v);
+        TEST_ASSERT_TRUE(steps >= 0 && steps <= STEPS && s.error <= before);
+        int k = 0;
+        for (; k < 5000 && alternate(&next, &v, &slow) && next.error < slow.error * (1 - 1e-6F); k++)
+            slow = next;
+        plain += k;
+        quick += steps;
+        TEST_ASSERT_TRUE(s.error < slow.error * 1.001F);
+    }
+    printf("camera: %ld steps by alternation alone, %ld with Newton's\n", plain / 200, quick / 200);
+    TEST_ASSERT_TRUE(quick * 5 < plain);
+}
+
+static void the_start_is_near_and_its_twin_is_not(void)
+{
+    rng r = rng_seed(96);
+    int near = 0;
+    for (int n = 0; n < 200; n++) {
+        const view v = random_view(&r, 0);
+        station s, twin;
+        TEST_ASSERT_TRUE(start(&s, &v));
+        near += off_by(&s.turn, &truth) < 0.5F;
+        TEST_ASSERT_TRUE(reverse(&twin, &v, &s));
+        TEST_ASSERT_TRUE(off_by(&twin.turn, &s.turn) > 1e-4F || off_by(&s.turn, &truth) > 0.5F);
+    }
+    TEST_ASSERT_TRUE(near > 190);
+}
+
+/* Without the closed form: what the iteration alone makes of any rotation that leaves the person in
+ * front of the camera, and of its twin.  The others walk behind the camera, or end their steps. */
+static void random_starts_lead_to_the_truth(void)
+{
+    rng r = rng_seed(97);
+    int tried = 0, found = 0;
+    while (tried < 1000) {
+        const view v = random_view(&r, 0);
+        station s, twin;
+        s.turn = random_axes(&r);
+        if (!place(&s, &v)) continue;
+        tried++;
+        const int first = descend(&s, &v);
+        const int second = reverse(&twin, &v, &s) ? descend(&twin, &v) : -1;
+        if (second >= 0 && (first < 0 || twin.error < s.error)) s = twin;
+        found += off_by(&s.turn, &truth) < 0.0017F; /* 0.1 degrees */
+    }
+    printf("camera: %d of 1000 found from a random rotation\n", found);
+    TEST_ASSERT_TRUE(found >= 900);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(the_best_rotation_is_the_one_that_made_the_points);
+    RUN_TEST(the_best_rotation_is_a_rotation_and_the_best);
+    RUN_TEST(alternating_never_raises_the_error_in_space);
+    RUN_TEST(places_are_the_best_for_their_rotation);
+    RUN_TEST(descending_ends_where_alternating_does);
+    RUN_TEST(the_start_is_near_and_its_twin_is_not);
+    RUN_TEST(random_starts_lead_to_the_truth);
+    return UNITY_END();
+}
