@@ -76,16 +76,19 @@ def low_necks(joints: np.ndarray, subject: np.ndarray) -> np.ndarray:
 
 
 def landmarks(
-    joints: np.ndarray, subject: np.ndarray, rng: np.random.Generator
+    joints: np.ndarray, subject: np.ndarray, rng: np.random.Generator, raised: float = 0
 ) -> dict[str, np.ndarray]:
-    """Points [F,3] by name, for poses [F,14,3] of the world or of a camera, metres."""
+    """Points [F,3] by name, for poses [F,14,3] of the world or of a camera, metres.
+
+    `raised` puts every head that many millimetres higher above the shoulders than published.
+    """
     joints = joints.astype(float)
     size = _sizes(joints, subject)
     torso, head = _torso(joints, size), _head(joints, size, rng)
     shoulder = mid_shoulder(joints)
     # Between the ears: on the head's axis, for every subject as high on the mean as ears are.
     top = joints[:, INDEX["head_top"]]
-    lack = EAR * size / 1000 - np.einsum("fi,fi->f", top - shoulder, torso.up)
+    lack = (EAR + raised) * size / 1000 - np.einsum("fi,fi->f", top - shoulder, torso.up)
     share = np.einsum("fi,fi->f", head.up, torso.up)
     step = _mean_of_each(lack, subject) / _mean_of_each(share, subject)
     ears = top + step[:, None] * head.up
