@@ -11,6 +11,7 @@ import pytest
 from builds import need_core
 from conftest import ROOT
 
+import count_operations
 import edmlift
 import evaluate
 import export_weights
@@ -71,6 +72,13 @@ def test_fixed_point_is_the_float_lift(forms):
     for name, column in forms["fixed"].items():
         assert column["moved"] <= 0.5 and column["moved_999"] <= 3, name
         assert column["mirrored"] <= 2, name  # of 6,453
+
+
+def test_operations_are_those_of_the_table_and_none_overflows(people):
+    counts = count_operations.count(people)
+    assert counts["lifted"] > 80_000 and counts["overflows"] == counts["differences"] == 0
+    table = marks.read(ROOT / "docs" / "fixed_point.md", "operations")
+    assert table == count_operations.markdown(counts)
 
 
 @pytest.fixture(scope="module")
