@@ -87,7 +87,8 @@ typedef struct {
     X(EDML_ERR_UNUSUAL, -5, "unusual")               /* wider for its height than any training pose */ \
     X(EDML_ERR_MODEL, -6, "model")                   /* the model's data do not match its checksum, or are floats \
                                                         where whole numbers are wanted */     \
-    X(EDML_ERR_CAMERA, -7, "camera")                 /* not a camera, or one that cannot have seen that */
+    X(EDML_ERR_CAMERA, -7, "camera")                 /* not a camera, or one that cannot have seen that */ \
+    X(EDML_ERR_TIME, -8, "time")                     /* a frame that is not later than the last one */
 
 #define EDML_STATUS_ENUM(name, value, text) name = value,
 typedef enum { EDML_STATUSES(EDML_STATUS_ENUM) } edml_status;
@@ -198,6 +199,57 @@ edml_status edml_place(edml_placement *placement, const edml_pose *pose,
 edml_status edml_place_sweep(edml_placement *placement, edml_camera *camera, const edml_pose *pose,
                              const edml_keypoint in[EDML_JOINTS], float width, float height,
                              edml_work *work);
+
+/* ---- Video --------------------------------------------------------------------------------- */
+
+/* How the one-euro filter (Casiez, Roussel, Vogel, "1 euro filter", CHI 2012) trades noise for lag:
+ * a joint is low-passed at `cutoff` + `slope` * its speed.  HUGE_VALF as cutoff: not at all. */
+typedef struct {
+    float cutoff; /* Hz, > 0; lower is steadier */
+    float slope;  /* Hz per unit of speed, >= 0; higher lags less in motion */
+} edml_smoothing;
+
+typedef struct {
+    edml_point at, rate; /* rate: a second */
+} edml_moving;
+
+enum { EDML_EXCHANGED_ARMS = 1, EDML_EXCHANGED_LEGS = 2 };
+
+/* One person in a video: the caller's, one for each. */
+typedef struct {
+    /* Settings; edml_track_start() gives those that were measured, change them after it. */
+    edml_smoothing smooth_image; /* of keypoints; unit of speed: the body's size a second, which is the
+                                    seen joints' mean |x| + |y| from their middle */
+    edml_smoothing smooth_space; /* of poses; m/s */
+    /* Report on the last frame that was lifted. */
+    uint32_t elapsed;  /* ms since the one before; 0: there is none, or too long ago */
+    uint16_t held;     /* bit j: joint j was not seen, but lately */
+    uint8_t exchanged; /* EDML_EXCHANGED_ARMS, _LEGS: right and left were, by the detector */
+    uint8_t mirrored;  /* 1: not the mirror image that this frame alone would give */
+    /* State. */
+    uint8_t started;
+    uint32_t time; /* ms */
+    float arms, legs, mirror;
+    uint16_t age[EDML_JOINTS]; /* ms */
+    edml_moving image[EDML_JOINTS], space[EDML_JOINTS];
+} edml_track;
+
+void edml_track_start(edml_track *track);
+
+/* edml_lift() of a frame of a video, made steady by the frames before; none is delayed.
+ *   pose     smoothed; `seen` in this frame; `mirror_margin` is that of all frames so far, at most 4
+ *   time_ms  of the frame, by any clock of milliseconds; it may run over its end
+ * The detector's exchanges of right and left arms (with shoulders) and legs (with hips) are undone;
+ * one that lasts for about 1/4 s is believed.  So is a mirror image that persists.  Joints that are
+ * missing stay where they were, moved along with the others, for 300 ms.  Frames may be dropped; after
+ * a second without one lifted, the next starts anew.  Besides edml_lift()'s:
+ *   EDML_ERR_TIME            not later than the last frame: one that was overtaken, or a clock that was
+ *                            set back; then edml_track_start()
+ *   EDML_ERR_TOO_FEW_JOINTS  also: fewer than 7 seen, however many are held
+ * With a status other than EDML_OK the track, too, is untouched.  About 1 KB of stack more. */
+edml_status edml_track_lift(edml_pose *pose, edml_track *track,
+                            const edml_keypoint in[EDML_JOINTS], uint32_t time_ms,
+                            const edml_model *model, edml_work *work);
 
 /* ---- Lift in fixed point ------------------------------------------------------------------ */
 

@@ -91,6 +91,41 @@ class Placements:
     status: np.ndarray  # [F] names
 
 
+# edml_track.
+SMOOTHING = np.dtype([("cutoff", np.float32), ("slope", np.float32)])
+MOVING = np.dtype([("at", np.float32, 3), ("rate", np.float32, 3)])
+TRACK = np.dtype(
+    [
+        ("smooth_image", SMOOTHING),
+        ("smooth_space", SMOOTHING),
+        ("elapsed", np.uint32),
+        ("held", np.uint16),
+        ("exchanged", np.uint8),
+        ("mirrored", np.uint8),
+        ("started", np.uint8),
+        ("time", np.uint32),
+        ("arms", np.float32),
+        ("legs", np.float32),
+        ("mirror", np.float32),
+        ("age", np.uint16, len(JOINTS)),
+        ("image", MOVING, len(JOINTS)),
+        ("space", MOVING, len(JOINTS)),
+    ],
+    align=True,
+)
+
+
+@dataclass(frozen=True)
+class Tracked(Poses):
+    """What `Track.lift` returns for F frames; reports are 0 where status is not "ok"."""
+
+    seen: np.ndarray  # [F] bit j: joint j was seen
+    held: np.ndarray  # [F] bit j: joint j was held
+    exchanged: np.ndarray  # [F] 1: right and left arm were exchanged, 2: legs, 3: all
+    mirrored: np.ndarray  # [F] the other mirror image than the lift's was taken
+    elapsed: np.ndarray  # [F] ms since the last frame, 0 at a start
+
+
 class Library:
     """The C library; `model` names one of its models, such as "fconn_f32".
 
@@ -118,15 +153,17 @@ class Library:
 
     def lift(self, keypoints: np.ndarray) -> Poses:
         """Lifts keypoints [F,14,3]: x, y in pixels and confidence."""
-        keypoints = np.ascontiguousarray(keypoints, np.float32)
-        if keypoints.ndim != 3 or keypoints.shape[1:] != (len(JOINTS), 3):
-            raise ValueError(f"keypoints must be [F,{len(JOINTS)},3], not {keypoints.shape}")
+        keypoints = checked_keypoints(keypoints)
         if self.fixed:
             poses, status = self._call(self._c.edml_lift_q24, to_q16(keypoints), POSE_Q16)
             unit = np.float32(1 / 65536)
         else:
             poses, status = self._call(self._c.edml_lift, keypoints, POSE)
             unit = np.float32(1)
+        return self._poses(poses, status, unit)
+
+    def _poses(self, poses: np.ndarray, status: np.ndarray, unit: np.float32) -> Poses:
+        """Numbers in metres, NaN where a pose has a status."""
         names = ("joint", "mirror_margin", "residual")
         numbers = [(poses[name] * unit).astype(np.float32) for name in names]
         for array in numbers:
@@ -222,6 +259,10 @@ class Library:
             np.array([self.status_name(s) for s in status]),
         )
 
+    def track(self) -> "Track":
+        """A new track of one person in a video."""
+        return Track(self)
+
     # The stages, one pose at a time.
 
     def edm(self, keypoints: np.ndarray, fewest: int, widest: float) -> tuple[str, np.ndarray]:
@@ -277,6 +318,46 @@ class Library:
         seen = sum(1 << j for j in range(14) if keypoints[j, 2] > 0)
         self._c.edml_orient_f32(_pointer(out), _pointer(_f32(keypoints)), ctypes.c_uint16(seen))
         return out
+
+
+class Track:
+    """edml_track: lifts the frames of a video.  `state`, a TRACK, holds its settings, too."""
+
+    def __init__(self, library: Library):
+        self._library = library
+        self.state = np.zeros((), TRACK)
+        library._c.edml_track_start(_pointer(self.state))
+
+    def lift(self, keypoints: np.ndarray, time: np.ndarray) -> Tracked:
+        """Lifts keypoints [F,14,3] that were seen at `time` [F], ms, ascending."""
+        keypoints = checked_keypoints(keypoints)
+        time = np.asarray(time)
+        if time.shape != keypoints.shape[:1]:
+            raise ValueError(f"time must be [{len(keypoints)}], not {list(time.shape)}")
+        poses = np.zeros(len(keypoints), POSE)
+        reports = np.zeros(len(keypoints), TRACK)
+        status = np.zeros(len(keypoints), np.int32)
+        for i in range(len(keypoints)):
+            status[i] = self._library._c.edml_track_lift(
+                _pointer(poses[i : i + 1]), _pointer(self.state), _pointer(keypoints[i]),
+                ctypes.c_uint32(int(time[i]) & 0xFFFFFFFF),
+                ctypes.c_void_p(self._library.model), self._library._work,
+            )  # fmt: skip
+            if status[i] == 0:
+                reports[i] = self.state
+        lifted = self._library._poses(poses, status, np.float32(1))
+        return Tracked(
+            **vars(lifted), seen=poses["seen"],
+            **{name: reports[name] for name in ("held", "exchanged", "mirrored", "elapsed")},
+        )  # fmt: skip
+
+
+def checked_keypoints(keypoints: np.ndarray) -> np.ndarray:
+    """Keypoints [F,14,3] as the library takes them."""
+    keypoints = np.ascontiguousarray(keypoints, np.float32)
+    if keypoints.ndim != 3 or keypoints.shape[1:] != (len(JOINTS), 3):
+        raise ValueError(f"keypoints must be [F,{len(JOINTS)},3], not {keypoints.shape}")
+    return keypoints
 
 
 OBJECTIVES = ("none", "square", "raw", "eq2")  # edml_objective

@@ -1,0 +1,309 @@
+/* Video: from a stream of lifts to steady motion, a frame at a time and none delayed.
+ *
+ * Right and left, where the detector exchanged them; a one-euro filter on the keypoints, and joints
+ * that are missing for a moment; the lift; the mirror image that persists; a one-euro filter on the
+ * pose.  tools/evaluate_video.py measures it; the numbers below were chosen by it on training people.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <string.h>
+
+#include "real_f32.h"
+
+#include "seen.inc"
+
+enum { HOLD = 300, GAP = 1000 }; /* ms */
+enum { FEWEST_SEEN = EDML_JOINTS / 2 };
+
+#define IMAGE_CUTOFF 2.0F /* Hz */
+#define IMAGE_SLOPE 4.0F  /* Hz per size of the body a second */
+#define SPACE_CUTOFF 1.0F
+#define SPACE_SLOPE 3.5F /* Hz per m/s */
+#define RATE_CUTOFF 4.0F /* Hz */
+
+/* Log-odds of twins, see turns_over(). */
+#define SUREST 4.0F           /* nothing is believed more than this */
+#define LABELS 2.0F           /* that right and left are right at the start ... */
+#define LABELS_A_SECOND 16.0F /* ... and how fast a detector persuades that they are after all */
+#define LABELS_CONTINUE 0.3F  /* seconds; of squares of the body's size */
+#define MIRROR_CONTINUES 0.3F /* seconds a square metre */
+
+/* ---- The one-euro filter (Casiez, Roussel, Vogel 2012) ---------------------------------------- */
+
+static edml_point plus(edml_point a, edml_point b)
+{
+    const edml_point sum = {a.x + b.x, a.y + b.y, a.z + b.z};
+    return sum;
+}
+
+static edml_point minus(edml_point a, edml_point b)
+{
+    const edml_point difference = {a.x - b.x, a.y - b.y, a.z - b.z};
+    return difference;
+}
+
+static edml_point times(float scale, edml_point a)
+{
+    const edml_point product = {scale * a.x, scale * a.y, scale * a.z};
+    return product;
+}
+
+static edml_moving at_rest(edml_point at)
+{
+    const edml_moving state = {at, {0, 0, 0}};
+    return state;
+}
+
+/* Share of the way to a sample that comes `seconds` after the last. */
+static float share(float cutoff, float seconds)
+{
+    return seconds / (seconds + 1 / (6.2831853F * cutoff));
+}
+
+/* Moves a joint towards where it is seen.  One cutoff for all of its coordinates, by its speed in
+ * units a second: so turning the camera changes nothing. */
+static void smooth(edml_moving *joint, edml_point seen, float seconds, edml_smoothing by, float unit)
+{
+    const edml_point step = minus(seen, joint->at);
+    const edml_point news = minus(times(1 / seconds, step), joint->rate);
+    joint->rate = plus(joint->rate, times(share(RATE_CUTOFF, seconds), news));
+    const float x = joint->rate.x / unit, y = joint->rate.y / unit, z = joint->rate.z / unit;
+    const float cutoff = by.cutoff + by.slope * sqrtf(x * x + y * y + z * z);
+    joint->at = plus(joint->at, times(share(cutoff, seconds), step));
+}
+
+/* ---- Twins -------------------------------------------------------------------------------------- */
+
+static float limit(float value, float most) /* of no number, 0 */
+{
+    if (value > most) return most;
+    if (value < -most) return -most;
+    return value == value ? value : 0;
+}
+
+/* A pose has a twin, its mirror image, and limbs have one, right and left exchanged.  What was given
+ * out so far was the right twin by the log-odds `belief`.  The twin of the new frame that this frame
+ * alone speaks for, by `evidence`, continues it by the log-odds `continuity`; if these are negative,
+ * the other one does.  Updates the belief; returns whether to give up what was for its twin. */
+static int turns_over(float *belief, float continuity, float evidence)
+{
+    const float link = limit(continuity, SUREST);
+    const float carried = limit(*belief, fabsf(link)); /* a chain is no surer than its link */
+    const float now = limit(carried + (link < 0 ? -evidence : evidence), SUREST);
+    *belief = fabsf(now);
+    return now < 0;
+}
+
+/* ---- Right and left ------------------------------------------------------------------------------ */
+
+/* Was it seen lately? */
+static int is_known(const edml_track *track, int j) { return track->age[j] <= HOLD; }
+
+/* Mean distance along x and along y, added, of the seen joints from their middle. */
+static float body_size(const edml_keypoint in[])
+{
+    const float count = (float)count_bits(seen_joints(in));
+    float x = 0, y = 0, size = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        if (!(in[j].c > 0)) continue;
+        x += in[j].x / count;
+        y += in[j].y / count;
+    }
+    for (int j = 0; j < EDML_JOINTS; j++)
+        if (in[j].c > 0) size += (fabsf(in[j].x - x) + fabsf(in[j].y - y)) / count;
+    return size;
+}
+
+/* How much farther three joints and their twins would be, right and left exchanged, from where they
+ * are expected; in squares.  That is twice the product of right minus left, expected and now. */
+static float side_continuity(const edml_track *track, const edml_keypoint in[], int right, float size)
+{
+    const float seconds = 0.001F * (float)track->elapsed;
+    float sum = 0;
+    for (int r = right; r < right + 3; r++) {
+        const int l = edml_mirror_joint[r];
+        if (!(in[r].c > 0 && in[l].c > 0 && is_known(track, r) && is_known(track, l))) continue;
+        const edml_point was = minus(track->image[r].at, track->image[l].at);
+        const edml_point rate = minus(track->image[r].rate, track->image[l].rate);
+        const edml_point expected = plus(was, times(seconds, rate));
+        sum += 2 * ((in[r].x - in[l].x) / size) * (expected.x / size);
+        sum += 2 * ((in[r].y - in[l].y) / size) * (expected.y / size);
+    }
+    return sum;
+}
+
+static void exchange_past(edml_track *track, int right)
+{
+    for (int r = right; r < right + 3; r++) {
+        const int l = edml_mirror_joint[r];
+        const edml_moving image = track->image[r], space = track->space[r];
+        const uint16_t age = track->age[r];
+        track->image[r] = track->image[l];
+        track->space[r] = track->space[l];
+        track->age[r] = track->age[l];
+        track->image[l] = image;
+        track->space[l] = space;
+        track->age[l] = age;
+    }
+}
+
+/* Undoes an exchange of three joints with their twins; returns whether there was one. */
+static int sort_sides(edml_track *track, edml_keypoint in[], int right, float *belief, float size)
+{
+    const float seconds = 0.001F * (float)track->elapsed;
+    float continuity = LABELS_CONTINUE / seconds * side_continuity(track, in, right, size);
+    if (turns_over(belief, continuity, LABELS_A_SECOND * seconds)) {
+        exchange_past(track, right);
+        continuity = -continuity;
+    }
+    if (!(continuity < 0)) return 0;
+    for (int r = right; r < right + 3; r++) {
+        const edml_keypoint other = in[r];
+        in[r] = in[edml_mirror_joint[r]];
+        in[edml_mirror_joint[r]] = other;
+    }
+    return 1;
+}
+
+/* ---- The image ------------------------------------------------------------------------------------ */
+
+/* Smooths the seen joints; returns how far they moved on average. */
+static edml_point smooth_seen(edml_track *track, edml_keypoint in[], float size)
+{
+    edml_point moved = {0, 0, 0};
+    float count = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        edml_moving *joint = &track->image[j];
+        const edml_point seen = {in[j].x, in[j].y, 0}, before = joint->at;
+        if (!(in[j].c > 0)) continue;
+        if (is_known(track, j)) {
+            const float seconds = 0.001F * (float)(track->age[j] + track->elapsed);
+            smooth(joint, seen, seconds, track->smooth_image, size);
+            moved = plus(moved, minus(joint->at, before));
+            count++;
+        } else {
+            *joint = at_rest(seen);
+        }
+        track->age[j] = 0;
+        in[j].x = joint->at.x;
+        in[j].y = joint->at.y;
+    }
+    return count > 0 ? times(1 / count, moved) : moved;
+}
+
+/* Joints that were seen lately are where they were, moved along with the others. */
+static uint16_t hold_missing(edml_track *track, edml_keypoint in[], edml_point moved)
+{
+    uint16_t held = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        if (in[j].c > 0) continue;
+        const uint32_t age = track->age[j] + track->elapsed;
+        track->age[j] = (uint16_t)(age <= HOLD ? age : HOLD + 1);
+        if (!is_known(track, j)) continue;
+        track->image[j].at = plus(track->image[j].at, moved);
+        in[j].x = track->image[j].at.x;
+        in[j].y = track->image[j].at.y;
+        in[j].c = 1;
+        held = (uint16_t)(held | 1U << j);
+    }
+    return held;
+}
+
+static void steady_image(edml_track *track, edml_keypoint in[], float size)
+{
+    track->exchanged = 0;
+    if (track->elapsed > 0) {
+        if (sort_sides(track, in, EDML_R_SHOULDER, &track->arms, size))
+            track->exchanged |= EDML_EXCHANGED_ARMS;
+        if (sort_sides(track, in, EDML_R_HIP, &track->legs, size))
+            track->exchanged |= EDML_EXCHANGED_LEGS;
+    }
+    const edml_point moved = smooth_seen(track, in, size);
+    track->held = hold_missing(track, in, moved);
+}
+
+/* ---- Space ---------------------------------------------------------------------------------------- */
+
+/* Takes the mirror image that persists: in the camera's axes, the one with depths negated.  Squared
+ * distances of the two from the last pose differ by four times the product of the depths. */
+static int sort_mirror(edml_track *track, edml_pose *out)
+{
+    float continuity = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) continuity += 4 * out->joint[j].z * track->space[j].at.z;
+    continuity *= MIRROR_CONTINUES / (0.001F * (float)track->elapsed);
+    if (turns_over(&track->mirror, continuity, out->mirror_margin)) {
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            track->space[j].at.z = -track->space[j].at.z;
+            track->space[j].rate.z = -track->space[j].rate.z;
+        }
+        continuity = -continuity;
+    }
+    if (!(continuity < 0)) return 0;
+    for (int j = 0; j < EDML_JOINTS; j++) out->joint[j].z = -out->joint[j].z;
+    return 1;
+}
+
+static void steady_pose(edml_track *track, edml_pose *out)
+{
+    const int first = track->elapsed == 0;
+    const float seconds = 0.001F * (float)track->elapsed;
+    if (first) track->mirror = limit(out->mirror_margin, SUREST);
+    track->mirrored = (uint8_t)(first ? 0 : sort_mirror(track, out));
+    out->mirror_margin = track->mirror;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        if (first)
+            track->space[j] = at_rest(out->joint[j]);
+        else
+            smooth(&track->space[j], out->joint[j], seconds, track->smooth_space, 1);
+        out->joint[j] = track->space[j].at;
+    }
+}
+
+/* ---- A frame -------------------------------------------------------------------------------------- */
+
+void edml_track_start(edml_track *track)
+{
+    memset(track, 0, sizeof *track);
+    track->smooth_image.cutoff = IMAGE_CUTOFF;
+    track->smooth_image.slope = IMAGE_SLOPE;
+    track->smooth_space.cutoff = SPACE_CUTOFF;
+    track->smooth_space.slope = SPACE_SLOPE;
+}
+
+/* On to a frame: the first one, or one after a gap, has no past. */
+static void move_on(edml_track *track, uint32_t time_ms)
+{
+    track->elapsed = track->started ? time_ms - track->time : 0;
+    track->time = time_ms;
+    track->started = 1;
+    if (track->elapsed > 0 && track->elapsed <= GAP) return;
+    track->elapsed = 0;
+    track->arms = track->legs = LABELS;
+    for (int j = 0; j < EDML_JOINTS; j++) track->age[j] = HOLD + 1;
+}
+
+edml_status edml_track_lift(edml_pose *out, edml_track *track, const edml_keypoint in[EDML_JOINTS],
+                            uint32_t time_ms, const edml_model *model, edml_work *work)
+{
+    if (out == NULL || track == NULL || in == NULL || model == NULL || work == NULL)
+        return EDML_ERR_ARGUMENT;
+    const uint32_t later = time_ms - track->time; /* also across the end of the clock's range */
+    if (track->started && (later == 0 || later > UINT32_MAX / 2)) return EDML_ERR_TIME;
+    const uint16_t seen = seen_joints(in);
+    if (!all_finite(in, seen)) return EDML_ERR_NOT_FINITE;
+    if (count_bits(seen) < FEWEST_SEEN) return EDML_ERR_TOO_FEW_JOINTS;
+    const float size = body_size(in);
+    if (!(size > 0)) return EDML_ERR_DEGENERATE;
+
+    edml_track next = *track; /* which counts only if the frame is lifted */
+    edml_keypoint joints[EDML_JOINTS];
+    memcpy(joints, in, sizeof joints);
+    move_on(&next, time_ms);
+    steady_image(&next, joints, size);
+    const edml_status status = edml_lift(out, joints, model, work);
+    if (status != EDML_OK) return status;
+    out->seen = seen;
+    steady_pose(&next, out);
+    *track = next;
+    return EDML_OK;
+}
