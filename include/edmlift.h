@@ -237,10 +237,10 @@ typedef struct {
 void edml_track_start(edml_track *track);
 
 /* edml_lift() of a frame of a video, made steady by the frames before; none is delayed.
- *   pose     smoothed; `seen` in this frame; `mirror_margin` is that of all frames so far, at most 4
+ *   pose     smoothed; `seen` in this frame; `mirror_margin` is that of all frames so far, at most 6
  *   time_ms  of the frame, by any clock of milliseconds; it may run over its end
  * The detector's exchanges of right and left arms (with shoulders) and legs (with hips) are undone;
- * one that lasts for about 1/4 s is believed.  So is a mirror image that persists.  Joints that are
+ * one that lasts for about 0.4 s is believed.  So is a mirror image that persists.  Joints that are
  * missing stay where they were, moved along with the others, for 300 ms.  Frames may be dropped; after
  * a second without one lifted, the next starts anew.  Besides edml_lift()'s:
  *   EDML_ERR_TIME            not later than the last frame: one that was overtaken, or a clock that was

@@ -22,11 +22,11 @@ enum { FEWEST_SEEN = EDML_JOINTS / 2 };
 #define RATE_CUTOFF 4.0F /* Hz */
 
 /* Log-odds of twins, see turns_over(). */
-#define SUREST 4.0F           /* nothing is believed more than this */
-#define LABELS 2.0F           /* that right and left are right at the start ... */
-#define LABELS_A_SECOND 16.0F /* ... and how fast a detector persuades that they are after all */
-#define LABELS_CONTINUE 0.3F  /* seconds; of squares of the body's size */
-#define MIRROR_CONTINUES 0.3F /* seconds a square metre */
+#define SUREST 6.0F            /* nothing is believed more than this */
+#define LABELS 2.0F            /* that right and left are right at the start ... */
+#define LABELS_A_SECOND 16.0F  /* ... and how fast a detector persuades that they are after all */
+#define LABELS_CONTINUE 0.3F   /* seconds; of squares of the body's size */
+#define MIRROR_CONTINUES 0.15F /* seconds a square metre */
 
 /* ---- The one-euro filter (Casiez, Roussel, Vogel 2012) ---------------------------------------- */
 

@@ -1,0 +1,457 @@
+/* track.c: video.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "helpers.h"
+#include "model.h" /* to make models that take the wrong mirror image */
+
+enum { FRAME = 33 }; /* ms */
+
+static edml_work work;
+static edml_track track, other;
+static edml_pose pose, again, before;
+static edml_keypoint in[EDML_JOINTS], whole[EDML_JOINTS];
+
+static edml_status run(uint32_t time)
+{
+    return edml_track_lift(&pose, &track, in, time, &edml_fconn_f32, &work);
+}
+
+static edml_status run_other(uint32_t time)
+{
+    return edml_track_lift(&again, &other, in, time, &edml_fconn_f32, &work);
+}
+
+/* Somebody who turns on the spot, steps of 2 degrees. */
+static void see_turned(int steps)
+{
+    static const double c = 0.99939082701909576, s = 0.03489949670250097;
+    rotation3 by = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    for (int n = 0; n < steps; n++) {
+        const double x = by.at[0][0], z = by.at[0][2];
+        by.at[0][0] = c * x - s * z;
+        by.at[0][2] = s * x + c * z;
+    }
+    by.at[2][0] = -by.at[0][2];
+    by.at[2][2] = by.at[0][0];
+    edml_point x[EDML_JOINTS], turned[EDML_JOINTS];
+    human_pose(x);
+    rotate(turned, by, x);
+    photograph(in, turned);
+}
+
+static void add_noise(rng *r, float pixels)
+{
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        in[j].x += pixels * gauss(r);
+        in[j].y += pixels * gauss(r);
+    }
+}
+
+static void exchange(int right)
+{
+    for (int r = right; r < right + 3; r++) {
+        const edml_keypoint keypoint = in[r];
+        in[r] = in[r + 3];
+        in[r + 3] = keypoint;
+    }
+}
+
+static void start(void)
+{
+    edml_track_start(&track);
+    edml_track_start(&other);
+    memset(&pose, 0, sizeof pose);
+    memset(&again, 0, sizeof again);
+}
+
+/* ---- Steady input ------------------------------------------------------------------------------- */
+
+static void somebody_who_stands_still_stays_as_lifted(void)
+{
+    start();
+    see_turned(0);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work));
+    for (uint32_t n = 0; n < 40; n++) {
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run(n * FRAME));
+        TEST_ASSERT_EQUAL_MEMORY(again.joint, pose.joint, sizeof pose.joint);
+        TEST_ASSERT_EQUAL_UINT16(ALL_SEEN, pose.seen);
+        TEST_ASSERT_TRUE(pose.residual == again.residual && pose.mirror_margin > 0);
+        TEST_ASSERT_TRUE(!track.held && !track.exchanged && !track.mirrored);
+        TEST_ASSERT_EQUAL_UINT32(n == 0 ? 0 : FRAME, track.elapsed);
+    }
+}
+
+static void the_hips_stay_opposite(void)
+{
+    rng r = rng_seed(70);
+    start();
+    for (int n = 0; n < 60; n++) {
+        see_turned(n);
+        add_noise(&r, 5);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        const edml_point a = pose.joint[EDML_R_HIP], b = pose.joint[EDML_L_HIP];
+        TEST_ASSERT_ERROR_UP_TO(ROUNDING, fabsf(a.x + b.x) + fabsf(a.y + b.y) + fabsf(a.z + b.z));
+    }
+}
+
+static void the_image_may_be_of_any_size(void)
+{
+    rng r = rng_seed(71);
+    start();
+    for (int n = 0; n < 60; n++) {
+        see_turned(n);
+        add_noise(&r, 5);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x *= 8;
+            in[j].y *= 8;
+        }
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_other((uint32_t)n * FRAME));
+        TEST_ASSERT_EQUAL_MEMORY(again.joint, pose.joint, sizeof pose.joint);
+    }
+}
+
+/* ---- The filters ------------------------------------------------------------------------------- */
+
+/* Mean second difference of three frames' joints. */
+static double second_difference(edml_pose frame[3])
+{
+    double sum = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const edml_point a = frame[0].joint[j], b = frame[1].joint[j], c = frame[2].joint[j];
+        const edml_point middle = {(a.x + c.x) / 2, (a.y + c.y) / 2, (a.z + c.z) / 2};
+        sum += 2 * distance_between(middle, b) / EDML_JOINTS;
+    }
+    return sum;
+}
+
+static void noise_is_more_than_halved(void)
+{
+    edml_pose alone[3] = {{{{0, 0, 0}}, 0, 0, 0}}, steady[3] = {{{{0, 0, 0}}, 0, 0, 0}};
+    double jitter_alone = 0, jitter = 0;
+    rng r = rng_seed(72);
+    start();
+    for (int n = 0; n < 120; n++) {
+        see_turned(n);
+        add_noise(&r, 5);
+        memmove(alone, alone + 1, 2 * sizeof *alone);
+        memmove(steady, steady + 1, 2 * sizeof *steady);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&alone[2], in, &edml_fconn_f32, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        steady[2] = pose;
+        if (n < 10) continue;
+        jitter_alone += second_difference(alone);
+        jitter += second_difference(steady);
+    }
+    TEST_ASSERT_TRUE(jitter > 0 && jitter < jitter_alone / 2);
+}
+
+/* The filter of the paper, in double, on one coordinate of a joint that moves along the image. */
+static void the_filter_is_the_papers(void)
+{
+    double at = 0, rate = 0;
+    start();
+    for (int n = 0; n < 30; n++) {
+        const uint32_t time = (uint32_t)(n * 40 + n % 3);
+        const double seconds = n == 0 ? 0 : 0.001 * (double)(time - other.time);
+        see_turned(0);
+        double x = 0, y = 0, size = 0;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x += (float)(n * n);
+            x += (double)in[j].x / EDML_JOINTS;
+            y += (double)in[j].y / EDML_JOINTS;
+        }
+        for (int j = 0; j < EDML_JOINTS; j++)
+            size += (fabs((double)in[j].x - x) + fabs((double)in[j].y - y)) / EDML_JOINTS;
+        const double seen = (double)in[EDML_L_WRIST].x, turn = 2 * 3.14159265358979 * seconds;
+        if (n == 0) {
+            at = seen;
+        } else {
+            const double slow = turn * 4.0; /* the speed's own cutoff, Hz */
+            rate += slow / (1 + slow) * ((seen - at) / seconds - rate);
+            const double r = turn * ((double)track.smooth_image.cutoff +
+                                     (double)track.smooth_image.slope * fabs(rate) / size);
+            at += r / (1 + r) * (seen - at);
+        }
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run(time));
+        other.time = time;
+        TEST_ASSERT_FLOAT_WITHIN(0.01F, (float)at, track.image[EDML_L_WRIST].at.x);
+    }
+}
+
+static void without_filters_frames_are_as_lifted(void)
+{
+    rng r = rng_seed(73);
+    start();
+    track.smooth_image.cutoff = track.smooth_space.cutoff = HUGE_VALF;
+    for (int n = 0; n < 30; n++) {
+        see_turned(n);
+        add_noise(&r, 2);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        TEST_ASSERT_ERROR_UP_TO(0.0001F, worst_joint_error(again.joint, pose.joint));
+    }
+}
+
+/* ---- Right and left ----------------------------------------------------------------------------- */
+
+/* With some limbs exchanged in three frames, the poses are those of a video without. */
+static void check_exchange(int kind)
+{
+    start();
+    for (int n = 0; n < 40; n++) {
+        const int wrong = n >= 20 && n < 23;
+        see_turned(n / 2);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_other((uint32_t)n * FRAME));
+        if (wrong && (kind & EDML_EXCHANGED_ARMS)) exchange(EDML_R_SHOULDER);
+        if (wrong && (kind & EDML_EXCHANGED_LEGS)) exchange(EDML_R_HIP);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        TEST_ASSERT_EQUAL_UINT8(wrong ? kind : 0, track.exchanged);
+        TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
+    }
+}
+
+static void exchanges_are_undone(void)
+{
+    for (int kind = 1; kind <= 3; kind++) check_exchange(kind);
+}
+
+static void a_turn_is_not_undone(void)
+{
+    start();
+    for (int n = 0; n < 120; n++) { /* two turns, 180 degrees a second */
+        see_turned(3 * n);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        TEST_ASSERT_EQUAL_UINT8(0, track.exchanged);
+    }
+}
+
+static void what_lasts_is_no_exchange(void)
+{
+    int undone = 0;
+    start();
+    for (int n = 0; n < 60; n++) {
+        see_turned(0);
+        if (n >= 20) exchange(EDML_R_HIP);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        if (track.exchanged) undone++;
+        TEST_ASSERT_TRUE(track.exchanged == 0 || (n >= 20 && n < 20 + 500 / FRAME));
+    }
+    TEST_ASSERT_TRUE(undone * FRAME >= 250);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work));
+    TEST_ASSERT_ERROR_UP_TO(0.005F, worst_joint_error(again.joint, pose.joint));
+}
+
+/* ---- The mirror image ---------------------------------------------------------------------------- */
+
+/* A model that takes the mirror image, if `right` is 0, with a tenth of the margin. */
+static edml_model doubtful_model(int right)
+{
+    edml_model model = edml_fconn_f32;
+    for (int n = 0; n < 5; n++) model.mirror[n].f32 *= right ? 0.1F : -0.1F;
+    return model;
+}
+
+static void a_mirror_image_is_taken_only_if_it_persists(void)
+{
+    const edml_model good = doubtful_model(1), bad = doubtful_model(0);
+    int overruled = 0;
+    start();
+    for (int n = 0; n < 120; n++) {
+        const int wrong = (n >= 30 && n < 32) || n >= 60;
+        see_turned(15);
+        const edml_model *model = wrong ? &bad : &good;
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, model, &work));
+        TEST_ASSERT_EQUAL_INT(
+            EDML_OK, edml_track_lift(&pose, &track, in, (uint32_t)n * FRAME, model, &work));
+        if (n < 60) TEST_ASSERT_EQUAL_UINT8(wrong, track.mirrored);
+        if (n == 29) before = pose;
+        if (n > 29 && n < 60) TEST_ASSERT_ERROR_UP_TO(0.0001F, worst_joint_error(before.joint, pose.joint));
+        if (n >= 60) overruled += track.mirrored;
+        TEST_ASSERT_TRUE(pose.mirror_margin >= 0 && pose.mirror_margin <= 6);
+    }
+    TEST_ASSERT_TRUE(overruled >= 5 && overruled < 40);
+    TEST_ASSERT_ERROR_UP_TO(0.0001F, worst_joint_error(again.joint, pose.joint));
+}
+
+/* ---- Missing joints ------------------------------------------------------------------------------ */
+
+static void a_missing_joint_is_held_for_300_ms(void)
+{
+    const uint16_t wrist = 1 << EDML_R_WRIST;
+    start();
+    for (int n = 0; n < 40; n++) {
+        const int missing = n >= 10 && n < 30;
+        const int held = missing && (n - 9) * FRAME <= 300;
+        see_turned(0);
+        if (missing) in[EDML_R_WRIST].c = 0;
+        if (missing) in[EDML_R_WRIST].x = NAN; /* is not looked at */
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        TEST_ASSERT_EQUAL_UINT16(held ? wrist : 0, track.held);
+        TEST_ASSERT_EQUAL_UINT16(missing ? ALL_SEEN & ~wrist : ALL_SEEN, pose.seen);
+        if (n == 9) before = pose;
+        if (n >= 9 && (held || !missing) && n < 30)
+            TEST_ASSERT_EQUAL_MEMORY(before.joint, pose.joint, sizeof pose.joint);
+    }
+}
+
+static void a_held_joint_moves_along(void)
+{
+    start();
+    for (int n = 0; n < 15; n++) {
+        see_turned(0);
+        for (int j = 0; j < EDML_JOINTS; j++) in[j].x += 3 * (float)n;
+        if (n >= 10) in[EDML_L_ANKLE].c = 0;
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        const float leg = track.image[EDML_L_ANKLE].at.x - track.image[EDML_L_KNEE].at.x;
+        TEST_ASSERT_FLOAT_WITHIN(1, in[EDML_L_ANKLE].x - in[EDML_L_KNEE].x, leg);
+    }
+}
+
+static void holding_does_not_make_up_a_person(void)
+{
+    start();
+    see_turned(0);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(0));
+    for (int j = 0; j < 7; j++) in[j].c = 0;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(100)); /* 7 seen, 7 held */
+    TEST_ASSERT_EQUAL_UINT16(0x7F, track.held);
+    in[7].c = 0;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_TOO_FEW_JOINTS, run(200));
+    in[7].c = 1;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_TOO_FEW_JOINTS, run(401)); /* too few for the lift */
+}
+
+/* ---- Time ---------------------------------------------------------------------------------------- */
+
+static void time_does_not_run_backwards(void)
+{
+    start();
+    see_turned(0);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(1000));
+    see_turned(1);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(1033));
+    other = track;
+    again = pose;
+    const uint32_t wrong[] = {1033, 1032, 1000, 0, UINT32_MAX, 1033 - UINT32_MAX / 2};
+    for (unsigned n = 0; n < sizeof wrong / sizeof *wrong; n++) {
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_TIME, run(wrong[n]));
+        TEST_ASSERT_EQUAL_MEMORY(&other, &track, sizeof track);
+        TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
+    }
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(1034));
+}
+
+static void a_gap_starts_anew(void)
+{
+    for (uint32_t gap = 1000; gap <= 1001; gap++) {
+        start();
+        see_turned(0);
+        for (uint32_t n = 0; n < 10; n++) TEST_ASSERT_EQUAL_INT(EDML_OK, run(n * FRAME));
+        see_turned(20);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run(9 * FRAME + gap));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_other(7));
+        TEST_ASSERT_EQUAL_UINT32(gap == 1000 ? 1000 : 0, track.elapsed);
+        TEST_ASSERT_EQUAL_INT(gap == 1001, memcmp(&again, &pose, sizeof pose) == 0);
+    }
+}
+
+static void the_clock_may_run_over_its_end(void)
+{
+    rng r = rng_seed(74);
+    start();
+    for (uint32_t n = 0; n < 30; n++) {
+        see_turned((int)n);
+        add_noise(&r, 3);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run(n * FRAME));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_other(n * FRAME - 400));
+        TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
+    }
+}
+
+/* ---- Bad frames ---------------------------------------------------------------------------------- */
+
+/* Frames that are refused leave track and pose as they were, and the next ones do not see them. */
+static void bad_frames_leave_no_trace(void)
+{
+    rng r = rng_seed(75);
+    start();
+    for (int n = 0; n < 30; n++) {
+        see_turned(n);
+        add_noise(&r, 3);
+        memcpy(whole, in, sizeof in);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_other((uint32_t)n * FRAME));
+        TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
+        const edml_track kept = track;
+        in[n % EDML_JOINTS].y = n % 2 ? NAN : HUGE_VALF;
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, run((uint32_t)n * FRAME + 10));
+        for (int j = 0; j < EDML_JOINTS; j++) in[j].x = in[j].y = 7;
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, run((uint32_t)n * FRAME + 10));
+        memcpy(in, whole, sizeof in);
+        in[3].c = NAN;
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, run((uint32_t)n * FRAME + 10));
+        TEST_ASSERT_EQUAL_MEMORY(&kept, &track, sizeof track);
+        TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
+    }
+}
+
+/* A detection that is finite and absurd: whatever it gets, a second later all is well. */
+static void an_absurd_frame_is_got_over(void)
+{
+    const float sizes[] = {1e-30F, 1e-6F, 1e6F, 1e18F, 1e25F, 1e37F};
+    for (unsigned k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+        start();
+        for (uint32_t n = 0; n < 100; n++) {
+            see_turned((int)n);
+            for (int j = 0; j < EDML_JOINTS && n == 20; j++) {
+                in[j].x *= sizes[k] / 512;
+                in[j].y *= sizes[k] / 512;
+            }
+            const edml_status status = run(n * FRAME);
+            TEST_ASSERT_TRUE(all_finite(pose.joint, 3 * EDML_JOINTS));
+            if (n < 20 || n > 55) TEST_ASSERT_EQUAL_INT(EDML_OK, status);
+        }
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work));
+        TEST_ASSERT_ERROR_UP_TO(0.1F, worst_joint_error(again.joint, pose.joint));
+    }
+}
+
+static void null_pointers(void)
+{
+    const edml_model *model = &edml_fconn_f32;
+    start();
+    see_turned(0);
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(NULL, &track, in, 0, model, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, NULL, in, 0, model, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, NULL, 0, model, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, in, 0, NULL, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, in, 0, model, NULL));
+    TEST_ASSERT_EQUAL_INT(0, track.started);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(somebody_who_stands_still_stays_as_lifted);
+    RUN_TEST(the_hips_stay_opposite);
+    RUN_TEST(the_image_may_be_of_any_size);
+    RUN_TEST(noise_is_more_than_halved);
+    RUN_TEST(the_filter_is_the_papers);
+    RUN_TEST(without_filters_frames_are_as_lifted);
+    RUN_TEST(exchanges_are_undone);
+    RUN_TEST(a_turn_is_not_undone);
+    RUN_TEST(what_lasts_is_no_exchange);
+    RUN_TEST(a_mirror_image_is_taken_only_if_it_persists);
+    RUN_TEST(a_missing_joint_is_held_for_300_ms);
+    RUN_TEST(a_held_joint_moves_along);
+    RUN_TEST(holding_does_not_make_up_a_person);
+    RUN_TEST(time_does_not_run_backwards);
+    RUN_TEST(a_gap_starts_anew);
+    RUN_TEST(the_clock_may_run_over_its_end);
+    RUN_TEST(bad_frames_leave_no_trace);
+    RUN_TEST(an_absurd_frame_is_got_over);
+    RUN_TEST(null_pointers);
+    return UNITY_END();
+}
