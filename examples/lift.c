@@ -2,7 +2,7 @@
 #include "edmlift.h"
 
 int main(void) { /* x and y in pixels, confidence; the left wrist was not seen */
-    edml_keypoint in[EDML_JOINTS] = {{512, 240, 1}, {508, 301, 1}, {461, 318, 1}, {452, 387, 1}, {489, 440, 1},
+    edml_keypoint in[EDML_JOINTS] = {{512, 254, 1}, {509, 336, 1}, {461, 318, 1}, {452, 387, 1}, {489, 440, 1},
         {556, 317, 1}, {571, 389, 1}, {0, 0, 0}, {478, 466, 1}, {470, 561, 1}, {463, 655, 1}, {537, 465, 1},
         {551, 556, 1}, {590, 640, 1}};
     edml_pose pose;

@@ -8,8 +8,8 @@
  * bits        of the rows' weights, layer by layer: 13 to 16, 12 to 15, 13 to 15
  * accumulator proven within 32 bits, 0.0 to spare
  * RMS error   0.07 mm, 0.01 %: its distances against float's, 39430 training views
- * error, mm   not measured
- * loss, mm    not measured
+ * error, mm   gt 59.3, n5 61.6, n10 70.7, n15 78.4, n20 88.8, cpm 67.4, rand2 73.9, right_arm 82.3, left_arm 78.1, right_leg 75.8, left_leg 72.4, rolled 59.5, close 67.4
+ * loss, mm    gt +0.0, n5 +0.0, n10 +0.0, n15 +0.0, n20 +0.0, cpm +0.0, rand2 +0.0, right_arm +0.0, left_arm +0.0, right_leg -0.2, left_leg +0.0, rolled +0.0, close +0.0
  * training    recipe mds, seed 0
  */
 

@@ -8,8 +8,8 @@
  * bits        of the rows' weights, layer by layer: 8 to 8, 8 to 8, 8 to 8
  * accumulator proven within 32 bits, 3.7 to spare
  * RMS error   3.231 mm, 0.446 %: its distances against float's, 39430 training views
- * error, mm   not measured
- * loss, mm    not measured
+ * error, mm   gt 59.5, n5 61.7, n10 70.9, n15 78.1, n20 89.1, cpm 67.5, rand2 73.6, right_arm 83, left_arm 78.7, right_leg 75.5, left_leg 72.6, rolled 59.7, close 67.7
+ * loss, mm    gt +0.2, n5 +0.1, n10 +0.2, n15 -0.3, n20 +0.3, cpm +0.1, rand2 -0.3, right_arm +0.7, left_arm +0.6, right_leg -0.5, left_leg +0.2, rolled +0.2, close +0.3
  * training    recipe mds, seed 0
  */
 

@@ -25,8 +25,10 @@ extern "C" {
 
 /* ---- Joints ------------------------------------------------------------------------------ */
 
-/* The order of CPM, of OpenPose's MPI model and of MPII's names: head top is the crown of the
- * skull, neck the upper neck (not the midpoint of the shoulders). */
+/* The order of CPM and of OpenPose's MPI model, but not their head and neck: the models have these
+ * where CMU's skeletons do.  Head top is the end of the head bone, about as high as the ears; neck
+ * the end of the thorax, 12 % of the way from between the shoulders to between the hips.  What a
+ * detector reports goes through edml_adapt(), below. */
 enum edml_joint {
     EDML_HEAD_TOP,
     EDML_NECK,
@@ -114,6 +116,45 @@ typedef struct edml_work edml_work;
 edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
                       const edml_model *model, edml_work *work);
 
+/* ---- Other joints -------------------------------------------------------------------------- */
+
+/* What a detector reports: which of its keypoints are the joints above.  A format is constant data;
+ * a program links those that it names, and can have its own by filling in this structure. */
+typedef struct {
+    const char *name;              /* "coco17" */
+    uint8_t keypoints;             /* how many there are */
+    uint8_t shares;                /* 1: x and y are shares of the image's width and height; multiply
+                                      them by those first */
+    /* Indices of keypoints; EDML_NO_KEYPOINT where there is none. */
+    uint8_t limb[EDML_JOINTS - 2]; /* the joints from EDML_R_SHOULDER on */
+    uint8_t ears[2];               /* left, right */
+    uint8_t face[3];               /* left eye, right eye, nose */
+    uint8_t crown, centre;         /* top of the skull; middle of the head */
+} edml_format;
+
+#define EDML_NO_KEYPOINT 255
+
+extern const edml_format edml_coco17; /* MoveNet, YOLO-pose, PoseNet, ViTPose, RTMPose body */
+extern const edml_format edml_body25, edml_body25b, edml_coco18, edml_mpi15; /* OpenPose */
+extern const edml_format edml_cpm14, edml_mpii16, edml_lsp14, edml_crowdpose14, edml_aic14;
+extern const edml_format edml_halpe26;     /* RTMPose body26 */
+extern const edml_format edml_blazepose33; /* MediaPipe */
+/* Human3.6M's order has two forms: right leg first (mmpose, MotionBERT), left leg first (SPIN). */
+extern const edml_format edml_h36m17_right_first, edml_h36m17_left_first;
+
+/* All of the above, and the one of a name, or NULL. */
+enum { EDML_FORMATS = 14 };
+extern const edml_format *const edml_formats[EDML_FORMATS];
+const edml_format *edml_format_find(const char *name);
+
+/* Keypoints to joints: limbs are copied; head and neck are put where the models have them, from the
+ * shoulders, the hips and what is seen of the head, with half the least confidence of these, or 0
+ * where a shoulder or (the head alone) all of the head was not seen.  What is not finite stays so.
+ *   in  [format->keypoints] as for edml_lift(); c <= 0 for those that were not seen
+ * docs/adapters.md says how well this does. */
+void edml_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[],
+                const edml_format *format);
+
 /* ---- The camera's frame ------------------------------------------------------------------- */
 
 /* A pinhole camera, pixels.  A lens with distortion: undistort the keypoints first. */
@@ -177,6 +218,10 @@ typedef struct {
     int32_t residual;                  /* Q16, metres */
     uint16_t seen;
 } edml_pose_q16;
+
+/* edml_adapt() on whole numbers. */
+void edml_adapt_q16(edml_keypoint_q16 out[EDML_JOINTS], const edml_keypoint_q16 in[],
+                    const edml_format *format);
 
 typedef struct edml_work_q24 edml_work_q24;
 

@@ -2,7 +2,7 @@
  * fraction bits, from -128 to 128 in steps of 6e-8.  What the words mean is said in real_f32.h.
  *
  * Nothing saturates and nothing is checked here: each stage says why its numbers stay in range, and
- * tests/check.cpp compiles the stages with numbers that stop at the first one which does not.
+ * tests/check/check.cpp compiles the stages with numbers that stop at the first one which does not.
  *
  * SPDX-License-Identifier: MIT
  */

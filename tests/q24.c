@@ -158,6 +158,21 @@ edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const
     return status;
 }
 
+/* At most 33 keypoints, in sets of 14 for to_q16(). */
+void q24_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const edml_format *format)
+{
+    edml_keypoint_q16 wide[3 * EDML_JOINTS], joint[EDML_JOINTS];
+    edml_keypoint padded[3 * EDML_JOINTS] = {{0, 0, 0}};
+    memcpy(padded, in, format->keypoints * sizeof *in);
+    for (int n = 0; n < 3; n++) to_q16(wide + n * EDML_JOINTS, padded + n * EDML_JOINTS);
+    edml_adapt_q16(joint, wide, format);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        out[j].x = (float)(joint[j].x / 65536.0);
+        out[j].y = (float)(joint[j].y / 65536.0);
+        out[j].c = (float)(joint[j].c / 32768.0);
+    }
+}
+
 static void from_placement_q16(edml_placement *out, const edml_placement_q16 *placed)
 {
     for (int j = 0; j < EDML_JOINTS; j++) out->joint[j] = point_from_q16(placed->joint[j]);

@@ -29,6 +29,7 @@ float q24_mirror(edml_point x[EDML_JOINTS], const edml_model *model);
 void q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen);
 edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
                      edml_work *work);
+void q24_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const edml_format *format);
 edml_status q24_place(edml_placement *placement, const edml_pose *pose,
                       const edml_keypoint in[EDML_JOINTS], const edml_camera *camera,
                       edml_work *work);
@@ -46,6 +47,7 @@ edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, cons
 #define edml_mirror_f32 q24_mirror
 #define edml_orient_f32 q24_orient
 #define edml_lift q24_lift
+#define edml_adapt q24_adapt
 #define edml_place q24_place
 #define edml_place_sweep q24_place_sweep
 #define edml_fconn_f32 edml_fconn_q15

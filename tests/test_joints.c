@@ -86,6 +86,7 @@ static void every_status_has_its_name(void)
     TEST_ASSERT_EQUAL_STRING("degenerate", edml_status_name(EDML_ERR_DEGENERATE));
     TEST_ASSERT_EQUAL_STRING("unusual", edml_status_name(EDML_ERR_UNUSUAL));
     TEST_ASSERT_EQUAL_STRING("model", edml_status_name(EDML_ERR_MODEL));
+    TEST_ASSERT_EQUAL_STRING("camera", edml_status_name(EDML_ERR_CAMERA));
 }
 
 static void only_success_is_zero_and_errors_are_negative(void)
@@ -97,7 +98,7 @@ static void only_success_is_zero_and_errors_are_negative(void)
 
 static void an_unknown_status_has_the_name_of_none(void)
 {
-    TEST_ASSERT_EQUAL_STRING("?", edml_status_name((edml_status)-7));
+    TEST_ASSERT_EQUAL_STRING("?", edml_status_name((edml_status)-100));
     TEST_ASSERT_EQUAL_STRING("?", edml_status_name((edml_status)1));
 }
 

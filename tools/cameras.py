@@ -102,12 +102,15 @@ def gaussian_noise(
 
 
 def detector_noise(
-    points: np.ndarray, rng: np.random.Generator, scale: float | np.ndarray = 1.0
+    points: np.ndarray,
+    rng: np.random.Generator,
+    scale: float | np.ndarray = 1.0,
+    share: np.ndarray = DETECTOR_SHARE,
 ) -> np.ndarray:
     """Adds the error of a detector: its own share a joint, some draws good, some bad."""
     count, joints = points.shape[:2]
     bad = rng.random((count, joints)) < DETECTOR_BAD
-    sigma = DETECTOR_SIGMA * DETECTOR_SHARE * np.where(bad, DETECTOR_SCALES[1], DETECTOR_SCALES[0])
+    sigma = DETECTOR_SIGMA * share * np.where(bad, DETECTOR_SCALES[1], DETECTOR_SCALES[0])
     sigma = sigma * np.reshape(scale, (-1, 1))
     return points + rng.normal(size=points.shape) * sigma[..., None]
 

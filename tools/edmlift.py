@@ -60,6 +60,24 @@ class Poses:
     status: np.ndarray  # [F] names
 
 
+class Format(ctypes.Structure):
+    """edml_format: indices of a detector's keypoints; NO_KEYPOINT where it has none."""
+
+    _fields_ = [
+        ("name", ctypes.c_char_p),
+        ("keypoints", ctypes.c_uint8),
+        ("shares", ctypes.c_uint8),
+        ("limb", ctypes.c_uint8 * 12),
+        ("ears", ctypes.c_uint8 * 2),
+        ("face", ctypes.c_uint8 * 3),
+        ("crown", ctypes.c_uint8),
+        ("centre", ctypes.c_uint8),
+    ]
+
+
+NO_KEYPOINT = 255
+
+
 @dataclass(frozen=True)
 class Placements:
     """What `place` returns for F poses; where status is not "ok" the numbers are NaN, steps 0."""
@@ -109,11 +127,12 @@ class Library:
         else:
             poses, status = self._call(self._c.edml_lift, keypoints, POSE)
             unit = np.float32(1)
-        numbers = [poses[name] * unit for name in ("joint", "mirror_margin", "residual")]
+        names = ("joint", "mirror_margin", "residual")
+        numbers = [(poses[name] * unit).astype(np.float32) for name in names]
         for array in numbers:
             array[status != 0] = np.nan
-        names = np.array([self.status_name(s) for s in range(0, status.min(initial=0) - 1, -1)])
-        return Poses(*numbers, names[-status])
+        statuses = np.array([self.status_name(s) for s in range(0, status.min(initial=0) - 1, -1)])
+        return Poses(*numbers, statuses[-status])
 
     def _call(self, lift, keypoints: np.ndarray, pose: np.dtype) -> tuple[np.ndarray, np.ndarray]:
         """Poses [F] and status [F] of a C function that lifts one."""
@@ -129,6 +148,21 @@ class Library:
                 work,
             )
         return poses, status
+
+    def format(self, name: str) -> Format:
+        """One of the formats of keypoints, such as "coco17"."""
+        return Format.in_dll(self._c, f"edml_{name}")
+
+    def adapt(self, keypoints: np.ndarray, name: str) -> np.ndarray:
+        """Keypoints [F,N,3] of a format to those of the joints, [F,14,3]."""
+        layout = self.format(name)
+        if keypoints.ndim != 3 or keypoints.shape[1:] != (layout.keypoints, 3):
+            raise ValueError(f"keypoints must be [F,{layout.keypoints},3], not {keypoints.shape}")
+        keypoints = _f32(keypoints)
+        joints = np.zeros((len(keypoints), len(JOINTS), 3), np.float32)
+        for one, out in zip(keypoints, joints, strict=True):
+            self._c.edml_adapt(_pointer(out), _pointer(one), ctypes.byref(layout))
+        return joints
 
     def place(
         self, poses: np.ndarray, keypoints: np.ndarray, camera: tuple[float, float, float, float]
@@ -250,7 +284,8 @@ OBJECTIVES = ("none", "square", "raw", "eq2")  # edml_objective
 
 def to_q16(keypoints: np.ndarray) -> np.ndarray:
     """Keypoints [F,14,3] as KEYPOINT_Q16 [F,14]; what is out of range, or NaN, its nearest end."""
-    keypoints = np.nan_to_num(np.asarray(keypoints, np.float64), nan=-np.inf)
+    keypoints = np.asarray(keypoints, np.float64)
+    keypoints = np.where(np.isnan(keypoints), -np.inf, keypoints)
     out = np.zeros(keypoints.shape[:2], KEYPOINT_Q16)
     out["at"] = np.round(np.clip(keypoints[..., :2] * 65536, -(2.0**31), 2.0**31 - 1))
     out["c"] = np.ceil(np.clip(keypoints[..., 2] * 32768, -(2.0**15), 2.0**15 - 1))

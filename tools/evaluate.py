@@ -1,7 +1,10 @@
 """Accuracy of a model on motion capture, through the C library: Markdown and JSON.
 
-    evaluate.py TEST.npz [--model fconn_f32] [--out build/report] [--quick]
+    evaluate.py TEST.npz [--model fconn] [--out build/report] [--quick]
     evaluate.py TEST.npz --manifest gen/fconn.json --update README.md
+
+All figures are of the float network; what the quantised ones and fixed point lose against it has a
+table of its own.
 
 Poses are seen by virtual cameras with a fixed seed (tools/cameras.py), exact, noisy, as by a
 detector, and with joints missing.  The error of a pose is the mean distance of its 14 joints from
@@ -24,6 +27,7 @@ from edmlift import Library
 from mirror import rigid_errors
 from mocap import MocapError, Motion, load_motion
 from skeleton import JOINTS, LIMBS, mid_hip
+from weights import manifest_text
 
 SEED = 20170714
 NOISE = {"n5": 5.0, "n10": 10.0, "n15": 15.0, "n20": 20.0}  # pixels
@@ -128,6 +132,50 @@ def evaluate(library: Library, motion: Motion) -> dict:
     return {name: measure(library, column, motion.subject) for name, column in bar}
 
 
+# The other forms of a model: its suffix, and whether all is in fixed point.
+FORMS = {
+    "q15": ("q15", False),
+    "q7": ("q7", False),
+    "fixed": ("q15", True),
+    "fixed_q7": ("q7", True),
+}
+
+
+def lose(libraries: dict[str, Library], column: Column, subject: np.ndarray) -> dict:
+    """What the forms lose against "f32" in a column: {form: {figure: value}}.
+
+    error: as of measure(); moved: mean distance of the joints of a pose from where the float lift
+    has them, mm, and its 99.9th percentile, of poses with the same mirror image; mirrored: poses
+    with the other one; refused: poses with another status.
+    """
+    poses = {form: library.lift(column.keypoints) for form, library in libraries.items()}
+    plain = poses.pop("f32")
+    result = {}
+    for form, lifted in poses.items():
+        fine = (lifted.status == "ok") & (plain.status == "ok")
+        joints, base = lifted.joints[fine].astype(float), plain.joints[fine].astype(float)
+        error = 1000 * rigid_errors(joints, column.truth[fine]).mean(1)
+        moved = 1000 * np.linalg.norm(joints - base, axis=-1).mean(1)
+        other = rigid_errors(joints * [1, 1, -1], base).mean(1) < rigid_errors(joints, base).mean(1)
+        result[form] = {
+            "error": by_subject(error, subject[fine]).mean(),
+            "moved": moved[~other].mean(),
+            "moved_999": np.percentile(moved[~other], 99.9),
+            "mirrored": int(other.sum()),
+            "refused": int((lifted.status != plain.status).sum()),
+        }
+    return result
+
+
+def evaluate_forms(model: str, motion: Motion) -> dict:
+    """What the forms of a model lose: {form: {column: {figure: value}}}."""
+    libraries = {"f32": Library(f"{model}_f32")}
+    libraries |= {f: Library(f"{model}_{q}", fixed=fixed) for f, (q, fixed) in FORMS.items()}
+    bar = tqdm(views(motion.joints).items(), desc="number formats", disable=None)
+    columns = {name: lose(libraries, column, motion.subject) for name, column in bar}
+    return {form: {name: columns[name][form] for name in columns} for form in FORMS}
+
+
 ROWS = {
     "error": "error",
     "interval": "95 % interval",
@@ -142,10 +190,46 @@ ROWS = {
 }
 
 
-def cell(value: float | int | list[float] | None) -> str:
+FORM_ROWS = {
+    "q15": "16-bit network",
+    "q7": "8-bit network",
+    "fixed": "all fixed point, 16-bit network",
+    "fixed_q7": "all fixed point, 8-bit network",
+}
+
+
+def forms_markdown(figures: dict, forms: dict) -> str:
+    """Two tables: the error that each form adds in each column; and how far it moves poses."""
+    columns = list(figures)
+    rows = {
+        title: [signed(forms[form][name]["error"] - figures[name]["error"]) for name in columns]
+        for form, title in FORM_ROWS.items()
+    }
+    moved = {}
+    for form, title in FORM_ROWS.items():
+        cells = forms[form].values()
+        moved[title] = [
+            max(c["moved"] for c in cells),
+            max(c["moved_999"] for c in cells),
+            max(c["mirrored"] for c in cells),
+            max(c["refused"] for c in cells),
+        ]
+    how = ["mean, mm", "99.9th percentile, mm", "other mirror image, poses", "other status, poses"]
+    return table("mm added", columns, rows) + "\n" + table("worst column", how, moved)
+
+
+def signed(difference: float) -> str:
+    """Two decimals and a sign, unless they are zeros."""
+    text = f"{difference:+.2f}"
+    return "0.00" if float(text) == 0 else text
+
+
+def cell(value: float | int | str | list[float] | None) -> str:
     """A figure as text."""
     if value is None:
         return ""
+    if isinstance(value, str):
+        return value
     if isinstance(value, list):
         return "-".join(f"{v:.0f}" for v in value)
     return str(value) if isinstance(value, int) else f"{value:.1f}"
@@ -164,11 +248,17 @@ def table(corner: str, columns: list[str], rows: dict[str, list]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def note_errors(manifest: Path, figures: dict) -> None:
-    """Writes the error of each column into a model's manifest, where the exporter finds it."""
+def noted(figures: dict) -> dict[str, float]:
+    """The error of each column, as manifests have it."""
+    return {name: round(column["error"], 1) for name, column in figures.items()}
+
+
+def note_errors(manifest: Path, figures: dict, forms: dict) -> None:
+    """Writes the errors into a model's manifest, where the exporter finds them."""
     settings = json.loads(manifest.read_text())
-    settings["metrics"] = {name: round(column["error"], 1) for name, column in figures.items()}
-    manifest.write_text(json.dumps(settings, indent=2) + "\n")
+    settings["metrics"] = noted(figures)
+    settings |= {f"metrics_{form}": noted(forms[form]) for form in ("q15", "q7")}
+    manifest.write_text(manifest_text(settings))
 
 
 def rounded(value):
@@ -185,30 +275,33 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
-    parser.add_argument("--model", default="fconn_f32")
+    parser.add_argument("--model", default="fconn", help="its name without _f32 (%(default)s)")
     parser.add_argument("--out", type=Path, help="folder for accuracy.md and accuracy.json")
     parser.add_argument("--manifest", type=Path, help="JSON of the model: note the errors there")
     parser.add_argument("--update", type=Path, help="Markdown file with marks for the table")
     parser.add_argument("--quick", action="store_true", help="every 20th pose")
     args = parser.parse_args()
     try:
-        motion, library = load_motion(args.motion), Library(args.model)
+        motion, library = load_motion(args.motion), Library(f"{args.model}_f32")
     except (MocapError, OSError, ValueError) as error:
         print(f"evaluate: {error}", file=sys.stderr)
         return 1
     if args.quick:
         motion = motion.take(np.arange(0, len(motion.joints), 20))
     figures = rounded(evaluate(library, motion))
-    text = markdown(figures)
-    print(text, end="")
+    forms = rounded(evaluate_forms(args.model, motion))
+    text, forms_text = markdown(figures), forms_markdown(figures, forms)
+    print(text, forms_text, sep="\n", end="")
     if args.out:
         args.out.mkdir(parents=True, exist_ok=True)
-        (args.out / "accuracy.md").write_text(text)
-        (args.out / "accuracy.json").write_text(json.dumps(figures, indent=2) + "\n")
+        (args.out / "accuracy.md").write_text(text + "\n" + forms_text)
+        report = json.dumps({"float": figures, **forms}, indent=2)
+        (args.out / "accuracy.json").write_text(report + "\n")
     if args.manifest:
-        note_errors(args.manifest, figures)
+        note_errors(args.manifest, figures, forms)
     if args.update:
         marks.write(args.update, "accuracy", text.partition("\n\n")[0])
+        marks.write(args.update, "forms", forms_text)
     return 0
 
 

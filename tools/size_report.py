@@ -51,12 +51,14 @@ class Cost:
     weights: int
     work: int
     stack: int  # of the lift, the deepest
+    place_stack: int  # of edml_place, which is no part of the lift
     edm: int
     net: int
     mds: int
     mirror: int
     orient: int
     lift: int
+    place: int
 
 
 COLUMNS = [field.name for field in dataclasses.fields(Cost)]
@@ -94,9 +96,11 @@ def measure_variant(target: Target, variant: str, library: list[Path], folder: P
     )  # fmt: skip
     lines = [line.split() for line in count(bench, target).splitlines()]
     stages = {name: int(instructions) for name, instructions, _ in lines if name in COLUMNS}
-    stack = {name: int(deepest) for name, _, deepest in lines}["lift"]
-    flash = flash_sizes(link_map.read_text())
-    return Cost(target.name, variant, work=work, stack=stack, **flash, **stages)
+    deepest = {name: int(stack) for name, _, stack in lines}
+    stacks = {"stack": deepest["lift"], "place_stack": deepest["place"]}
+    return Cost(
+        target.name, variant, work=work, **stacks, **flash_sizes(link_map.read_text()), **stages
+    )
 
 
 def measure_core(target: Target) -> list[Cost]:

@@ -11,6 +11,7 @@ import pytest
 from builds import need_core
 from conftest import ROOT
 
+import count_operations
 import edmlift
 import evaluate
 import export_weights
@@ -31,13 +32,53 @@ def test_the_header_is_made_of_the_weights_byte_for_byte(tmp_path, form):
     assert out.read_bytes() == (ROOT / "gen" / f"fconn_{form}.h").read_bytes()
 
 
-@pytest.mark.skipif(not (DATA / "cmu14_test.npz").exists(), reason="needs the test people")
-def test_the_accuracy_is_the_readmes():
-    figures = evaluate.evaluate(edmlift.Library(), load_motion(DATA / "cmu14_test.npz"))
-    table = evaluate.markdown(evaluate.rounded(figures)).partition("\n\n")[0]
+@pytest.fixture(scope="module")
+def people():
+    if not (DATA / "cmu14_test.npz").exists():
+        pytest.skip("needs the test people")
+    return load_motion(DATA / "cmu14_test.npz")
+
+
+@pytest.fixture(scope="module")
+def figures(people):
+    return evaluate.rounded(evaluate.evaluate(edmlift.Library(), people))
+
+
+@pytest.fixture(scope="module")
+def forms(people):
+    return evaluate.rounded(evaluate.evaluate_forms("fconn", people))
+
+
+def test_the_accuracy_is_the_readmes(figures, forms):
+    table = evaluate.markdown(figures).partition("\n\n")[0]
     assert marks.read(README, "accuracy").strip() == table
-    noted = json.loads((ROOT / "gen" / "fconn.json").read_text())["metrics"]
-    assert noted == {name: round(column["error"], 1) for name, column in figures.items()}
+    assert marks.read(README, "forms") == evaluate.forms_markdown(figures, forms)
+    manifest = json.loads((ROOT / "gen" / "fconn.json").read_text())
+    assert manifest["metrics"] == evaluate.noted(figures)
+    for form in ("q15", "q7"):
+        assert manifest[f"metrics_{form}"] == evaluate.noted(forms[form])
+
+
+@pytest.mark.parametrize(
+    ("form", "most"), [("q15", 0.2), ("q7", 1.5), ("fixed", 0.2), ("fixed_q7", 1.5)]
+)
+def test_quantised_networks_lose_little_in_any_column(figures, forms, form, most):
+    for name, column in forms[form].items():
+        assert column["error"] <= figures[name]["error"] + most, name
+        assert column["refused"] == 0, name
+
+
+def test_fixed_point_is_the_float_lift(forms):
+    for name, column in forms["fixed"].items():
+        assert column["moved"] <= 0.5 and column["moved_999"] <= 3, name
+        assert column["mirrored"] <= 2, name  # of 6,453
+
+
+def test_operations_are_those_of_the_table_and_none_overflows(people):
+    counts = count_operations.count(people)
+    assert counts["lifted"] > 80_000 and counts["overflows"] == counts["differences"] == 0
+    table = marks.read(ROOT / "docs" / "fixed_point.md", "operations")
+    assert table == count_operations.markdown(counts)
 
 
 @pytest.fixture(scope="module")

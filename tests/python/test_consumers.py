@@ -132,3 +132,37 @@ def test_the_program_of_the_readme(tmp_path: Path) -> None:
         *objects, "-lm", "-o", tmp_path / "lift")  # fmt: skip
     lines = run(tmp_path / "lift").splitlines()
     assert len(lines) >= 14 and lines[0].startswith("head_top")
+
+
+ADAPTING = """#include "edmlift.h"
+int main(void) {
+    edml_keypoint in[17] = {{0, 0, 0}}, joint[EDML_JOINTS];
+    edml_adapt(joint, in, &edml_coco17);
+    return joint[0].c > 0;
+}
+"""
+
+
+def linked_names(program: Path, folder: Path) -> set[str]:
+    """Global names of a program with the library, less what the linker drops."""
+    need("gcc")
+    flags = [*library_flags(), "-O1", f"-I{ROOT / 'include'}", f"-I{ROOT / 'lib'}"]
+    run("gcc", *flags, "-Wl,--gc-sections", program, *SOURCES, "-lm", "-o", folder / "program")
+    return {line.split()[-1] for line in run("nm", folder / "program").splitlines()}
+
+
+def test_a_program_that_lifts_has_nothing_of_the_adapters(tmp_path: Path) -> None:
+    names = linked_names(ROOT / "examples" / "lift.c", tmp_path)
+    assert "edml_lift" in names
+    header = (ROOT / "include" / "edmlift.h").read_text("utf-8")
+    section = header.partition("---- Other joints")[2].partition("/* ----")[0]
+    adapters = set(re.findall(r"\bedml_\w+", section)) - {"edml_lift", "edml_keypoint"}
+    assert {"edml_adapt", "edml_formats", "edml_format_find", "edml_coco17"} < adapters
+    assert names & (adapters | {"edml_adapt_q16"}) == set()
+
+
+def test_a_program_that_adapts_one_format_has_no_other(tmp_path: Path) -> None:
+    program = tmp_path / "adapting.c"
+    program.write_text(ADAPTING, "utf-8")
+    names = {name for name in linked_names(program, tmp_path) if name.startswith("edml_")}
+    assert names == {"edml_adapt", "edml_coco17"}

@@ -127,3 +127,37 @@ def test_the_stages_strung_together_are_the_lift(library: edmlift.Library):
     pose = library.orient(points, WALK[0])
     assert margin >= 0
     assert np.abs(pose - library.lift(WALK[:1]).joints[0]).max() < 0.1  # metres
+
+
+@pytest.fixture(scope="module")
+def fixed(library: edmlift.Library) -> edmlift.Library:
+    return edmlift.Library("fconn_q15", fixed=True)
+
+
+def test_fixed_point_is_near_float(library: edmlift.Library, fixed: edmlift.Library):
+    plain, whole = edmlift.Library("fconn_q15").lift(WALK), fixed.lift(WALK)
+    assert (whole.status == "ok").all()
+    assert np.abs(whole.joints - plain.joints).max() < 1e-3  # metres
+    assert np.abs(whole.margin - plain.margin).max() < 0.02
+    assert np.abs(whole.residual - plain.residual).max() < 1e-4
+    assert whole.joints.dtype == np.float32
+
+
+def test_fixed_point_has_the_same_statuses(fixed: edmlift.Library, mixed: np.ndarray):
+    poses = fixed.lift(mixed)
+    assert list(poses.status) == ["ok", "not_finite", "too_few_joints", "ok", "degenerate", "ok"]
+    assert np.isnan(poses.joints[1]).all() and np.isfinite(poses.joints[0]).all()
+
+
+def test_fixed_point_takes_quantised_models_alone():
+    assert (edmlift.Library("fconn_f32", fixed=True).lift(WALK[:2]).status == "model").all()
+
+
+def test_keypoints_become_whole_numbers():
+    given = np.zeros((1, 14, 3))
+    given[0, :6, 0] = [1.5, -2, np.inf, -np.inf, np.nan, 1e9]
+    given[0, :6, 2] = [1, 0, -1, 1e-9, 5, np.nan]
+    out = edmlift.to_q16(given)[0]
+    low, high = -(2**31), 2**31 - 1
+    assert out["at"][:6, 0].tolist() == [98304, -131072, high, low, low, high]
+    assert out["c"][:6].tolist() == [32767, 0, -32768, 1, 32767, -32768]

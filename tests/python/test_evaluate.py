@@ -86,14 +86,17 @@ def test_camera_axes_compares_without_turning(truth):
     assert figures(rooted, truth)["camera_axes"] == pytest.approx(0, abs=1e-6)
 
 
-def test_refused_poses_are_counted_and_left_out(truth):
-    class Half(Pretend):
-        def lift(self, keypoints):
-            poses = super().lift(keypoints)
-            poses.status[::2] = "unusual"
-            poses.joints[::2] = np.nan
-            return poses
+class Half(Pretend):
+    """Refuses every other pose."""
 
+    def lift(self, keypoints):
+        poses = super().lift(keypoints)
+        poses.status[::2] = "unusual"
+        poses.joints[::2] = np.nan
+        return poses
+
+
+def test_refused_poses_are_counted_and_left_out(truth):
     column = evaluate.Column(np.zeros((60, 14, 3)), np.ones((60, 14), bool), truth)
     result = evaluate.measure(Half(truth), column, SUBJECT)
     assert result["refused"] == 30 and result["error"] == pytest.approx(0, abs=1e-6)
@@ -120,3 +123,21 @@ def test_views_are_the_protocols_columns():
 def test_tables_have_a_row_a_figure(truth):
     text = evaluate.markdown({"gt": figures(truth, truth)})
     assert "| error | 0.0 |" in text and "| left_wrist | 0.0 |" in text
+
+
+def test_what_a_form_loses_is_told_from_the_float_lift(truth):
+    column = evaluate.Column(np.zeros((60, 14, 3)), np.ones((60, 14), bool), truth)
+    near = truth + [0, 0.003, 0]
+    near[:6] *= [1, 1, -1]
+    result = evaluate.lose({"f32": Pretend(truth), "near": Pretend(near)}, column, SUBJECT)
+    assert list(result) == ["near"]
+    assert result["near"]["moved"] == pytest.approx(3)
+    assert result["near"]["moved_999"] == pytest.approx(3)
+    assert result["near"]["mirrored"] == 6 and result["near"]["refused"] == 0
+    assert result["near"]["error"] > 5  # of the six; moving costs nothing
+    half = evaluate.lose({"f32": Pretend(truth), "half": Half(near)}, column, SUBJECT)["half"]
+    assert half["refused"] == 30 and half["moved"] == pytest.approx(3)
+
+
+def test_small_differences_have_no_sign():
+    assert evaluate.signed(-0.004) == "0.00" and evaluate.signed(-0.006) == "-0.01"

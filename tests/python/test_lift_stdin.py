@@ -3,6 +3,7 @@
 EDMLIFT_LIFT_STDIN names the program; without it, the one in build/dev, or skipped if not built.
 """
 
+import json
 import os
 import random
 import re
@@ -301,7 +302,7 @@ def test_write_error(options: list[str]):
 
 
 @needs_dev_full
-@pytest.mark.parametrize("option", ["--help", "--version", "--list-models"])
+@pytest.mark.parametrize("option", ["--help", "--version", "--list-models", "--list-formats"])
 def test_write_error_of_an_option_that_prints(option: str):
     with open("/dev/full", "wb") as full:
         result = subprocess.run([PROGRAM, option], stdout=full, stderr=subprocess.PIPE)
@@ -374,7 +375,8 @@ def test_unknown_model_lists_the_known(model: str):
 def test_help_names_every_option():
     result = run("", "--help")
     assert (result.returncode, result.stderr) == (0, b"")
-    for word in ("--model", "--threshold", "--header", "--list-models", "--version", "bad_line"):
+    options = "--format --image --json --fixed --model --threshold --header"
+    for word in (*options.split(), "--list-formats", "--list-models", "--version", "bad_line"):
         assert word in result.stdout.decode()
     assert max(map(len, result.stdout.decode().splitlines())) <= 100
 
@@ -392,11 +394,305 @@ def test_unknown_option(option: str):
     assert f"'{option}'" in result.stderr.decode()
 
 
-@pytest.mark.parametrize("option", ["--model", "--threshold"])
+@pytest.mark.parametrize("option", ["--model", "--threshold", "--format", "--image"])
 def test_option_without_its_value(option: str):
     result = run(GOOD, option)
     assert (result.returncode, result.stdout) == (2, b"")
     assert f"{option} needs a value" in result.stderr.decode()
+
+
+# ---- Keypoints of detectors ------------------------------------------------------------------
+
+
+def formats() -> dict[str, int]:
+    """Name and number of keypoints of every format."""
+    result = run("", "--list-formats")
+    assert (result.returncode, result.stderr) == (0, b"")
+    return {name: int(count) for name, count in map(str.split, result.stdout.decode().splitlines())}
+
+
+COCO_LIMBS = [6, 8, 10, 5, 7, 9, 12, 14, 16, 11, 13, 15]
+
+
+def coco(pose: np.ndarray = WALK[0]) -> np.ndarray:
+    """Keypoints [17,3] of a person whose ears are where the joint called head top is."""
+    keypoints = np.zeros((17, 3))
+    keypoints[COCO_LIMBS] = pose[2:]
+    keypoints[3] = pose[0] + [6, 0, 0]
+    keypoints[4] = pose[0] - [6, 0, 0]
+    return keypoints
+
+
+def test_coco_is_lifted_like_the_joints_that_it_shows():
+    shoulder, hip = WALK[0, [2, 5]].mean(0), WALK[0, [8, 11]].mean(0)
+    expected = WALK[0].copy()
+    expected[1] = shoulder + 0.12 * (hip - shoulder)
+    found = numbers(lift(text(coco()), "--format", "coco17")[0])
+    np.testing.assert_allclose(found, numbers(lift(text(expected))[0]), atol=1e-3)
+
+
+@pytest.mark.parametrize("format", formats())
+def test_every_format_is_read_with_and_without_confidence(format: str):
+    count = formats()[format]
+    image = ("--image", "1920,1080") if format == "blazepose33" else ()
+    rng = np.random.default_rng(1)
+    points = rng.uniform(0.2, 0.8, (count, 3)).round(3)
+    for columns in (2, 3):
+        statuses_ = statuses(lift(text(points[:, :columns]), "--format", format, *image))
+        assert statuses_ == ["ok"]
+
+
+@pytest.mark.parametrize("numbers_on_line", [28, 33, 35, 50, 52])
+def test_a_wrong_count_names_the_format_and_both_counts(numbers_on_line: int):
+    result = run(",".join(["1"] * numbers_on_line), "--format=coco17")
+    assert statuses(rows(result)) == ["bad_line"]
+    message = f"line 1: {numbers_on_line} numbers, but coco17 has 34 or 51\n"
+    assert message in result.stderr.decode()
+
+
+@pytest.mark.parametrize("format", ["", "coco", "COCO17"])
+def test_unknown_format_lists_the_known(format: str):
+    result = run(GOOD, "--format", format)
+    assert (result.returncode, result.stdout) == (2, b"")
+    first, *rest = result.stderr.decode().splitlines()
+    assert f"'{format}'" in first
+    assert rest == [f"{name} {count}" for name, count in formats().items()]
+
+
+def blazepose(pose: np.ndarray, width: float, height: float) -> np.ndarray:
+    keypoints = np.zeros((33, 3))
+    keypoints[[12, 14, 16, 11, 13, 15, 24, 26, 28, 23, 25, 27]] = pose[2:]
+    keypoints[[7, 8]] = pose[0]
+    return keypoints / [width, height, 1]
+
+
+@pytest.mark.parametrize("size", [(1000, 1000), (1920, 1080), (1, 1)])
+def test_shares_of_the_image_are_multiplied_by_its_size(size: tuple[int, int]):
+    line = ",".join(f"{number:.9g}" for number in np.ravel(blazepose(WALK[0], *size)))
+    found = lift(line, "--format", "blazepose33", "--image", "{},{}".format(*size))[0]
+    expected = lift(text(coco()), "--format", "coco17")[0]
+    np.testing.assert_allclose(numbers(found), numbers(expected), atol=2e-3)
+
+
+def test_blazepose_wants_the_size_of_the_image_and_others_do_not():
+    without = run("", "--format", "blazepose33")
+    needless = run(GOOD, "--image", "640,480")
+    assert without.returncode == needless.returncode == 2
+    assert b"--image WIDTH,HEIGHT" in without.stderr
+    assert b"--image" in needless.stderr
+
+
+@pytest.mark.parametrize(
+    "size",
+    ["", "640", "640,", ",480", "640,480,3", "0,480", "-640,480", "640x480", "1e3,480", " 640,480",
+     "99999999999999999999,1"],
+)  # fmt: skip
+def test_bad_image_size(size: str):
+    result = run("", "--format=blazepose33", f"--image={size}")
+    assert (result.returncode, result.stdout) == (2, b"")
+    assert f"'{size}'" in result.stderr.decode()
+
+
+def test_threshold_is_for_the_keypoints_of_the_detector():
+    """Not for the guessed head and neck, which have half of their confidence."""
+    keypoints = coco()
+    keypoints[keypoints[:, 2] > 0, 2] = 0.5
+    found = lift(text(keypoints), "--format=coco17", "--threshold=0.4")
+    assert found == lift(text(coco()), "--format=coco17")
+
+
+# ---- JSON ------------------------------------------------------------------------------------
+
+
+def as_json(pose: np.ndarray, **members) -> str:
+    return json.dumps(members | {"keypoints": np.round(pose, 6).tolist()})
+
+
+def objects(result: subprocess.CompletedProcess) -> list[dict]:
+    return [json.loads(line) for line in result.stdout.decode("utf-8").splitlines()]
+
+
+def answer(row: list[str]) -> dict:
+    """The members that --json adds, of a row without it."""
+    values = [float(field) for field in row[1:]] if row[0] == "ok" else []
+    return {
+        "status": row[0],
+        "joints": [values[n : n + 3] for n in range(0, 42, 3)] if values else None,
+        "mirror_margin": values[42] if values else None,
+        "residual": values[43] if values else None,
+    }
+
+
+MEMBERS = {"id": 7, "t": 0.25, "tags": {"a": [1, {"b": [None, True, "]}"]}], "é\\": "😀\n\""}}
+
+
+@pytest.mark.parametrize("ascii_only", [True, False])
+def test_json_members_come_through_and_the_answer_is_added(ascii_only: bool):
+    line = {**MEMBERS, "keypoints": WALK[0].tolist(), "after": [[]]}
+    result = run(json.dumps(line, ensure_ascii=ascii_only) + "\n", "--json")
+    assert (result.returncode, result.stderr) == (0, b"")
+    assert objects(result) == [line | answer(ANSWER)]
+    start = json.dumps(line, ensure_ascii=ascii_only)[:-1].encode()
+    assert result.stdout.startswith(start + b',"status":"ok",')  # byte for byte
+
+
+def test_json_keypoints_that_were_not_seen():
+    pose = WALK[0]
+    expected = answer(lift(text(unseen([4])))[0])
+    for nothing in (None, [None, None], [None, None, 0.9], [1, 2, 0], [1, 2, -1]):
+        points = pose.tolist()
+        points[4] = nothing
+        (found,) = objects(run(json.dumps({"keypoints": points}), "--json"))
+        assert {name: found[name] for name in expected} == expected
+    points = pose[:, :2].tolist()
+    points[4] = [None, None]
+    (found,) = objects(run(json.dumps({"keypoints": points}), "--json"))
+    assert found["joints"] == expected["joints"]
+
+
+def test_json_of_a_detector():
+    (found,) = objects(run(as_json(coco()), "--json", "--format", "coco17"))
+    assert found["joints"] == answer(lift(text(coco()), "--format", "coco17")[0])["joints"]
+
+
+def test_json_refused_poses_are_not_bad_lines():
+    result = run(as_json(unseen(LEGS), id=3) + "\n" + as_json(WALK[0], id=4), "--json")
+    assert result.returncode == 0
+    few, good = objects(result)
+    assert few["id"] == 3 and few["status"] == "too_few_joints" and few["joints"] is None
+    assert good["id"] == 4 and good["status"] == "ok"
+
+
+def keypoints_with(value: str) -> str:
+    return '{"keypoints":[' + ",".join(["[1,2]"] * 13 + [value]) + "]}"
+
+
+BAD_JSON = {
+    "csv": GOOD,
+    "array": "[]",
+    "number": "1",
+    "cut": as_json(WALK[0])[:-1],
+    "two": as_json(WALK[0]) * 2,
+    "behind": as_json(WALK[0]) + ",",
+    "comma": as_json(WALK[0])[:-1] + ",}",
+    "no keypoints": "{}",
+    "keypoints in another object": '{"a":' + as_json(WALK[0]) + "}",
+    "keypoints twice": as_json(WALK[0])[:-1] + ',"keypoints":[]}',
+    "keypoints null": '{"keypoints":null}',
+    "keypoints object": '{"keypoints":{}}',
+    "no keypoint": '{"keypoints":[]}',
+    "13 keypoints": as_json(WALK[0, :13]),
+    "15 keypoints": as_json(np.vstack([WALK[0], WALK[0, :1]])),
+    "has a status": as_json(WALK[0], status="ok"),
+    "has joints": as_json(WALK[0], joints=[]),
+    "keypoint empty": keypoints_with("[]"),
+    "keypoint one": keypoints_with("[1]"),
+    "keypoint four": keypoints_with("[1,2,3,4]"),
+    "keypoint text": keypoints_with('["1","2"]'),
+    "keypoint bool": keypoints_with("[true,2]"),
+    "keypoint nested": keypoints_with("[[1],2]"),
+    "keypoint x null": keypoints_with("[null,2]"),
+    "keypoint y null": keypoints_with("[1,null,1]"),
+    "keypoint c null": keypoints_with("[1,2,null]"),
+    "keypoint nan": keypoints_with("[NaN,2]"),
+    "keypoint infinity": keypoints_with("[1,-Infinity]"),
+    "keypoint hexadecimal": keypoints_with("[0x1p3,2]"),
+    "keypoint plus": keypoints_with("[+1,2]"),
+    "keypoint zeros": keypoints_with("[01,2]"),
+    "keypoint point": keypoints_with("[1.,2]"),
+    "keypoint flat": keypoints_with("1,2"),
+    "tab in a string": as_json(WALK[0])[:-1] + ',"a":"\t"}',
+    "bad escape": as_json(WALK[0])[:-1] + ',"a":"\\x"}',
+    "zero byte": as_json(WALK[0])[:-1] + ',"a":"\0"}',
+    "too deep": '{"a":' + "[" * 32 + "]" * 32 + "," + as_json(WALK[0])[1:],
+    "deep": '{"a":' + "[" * 50000,
+    "65537 bytes": as_json(WALK[0]).ljust(65537),
+}
+
+
+@pytest.mark.parametrize("bad", BAD_JSON.values(), ids=BAD_JSON.keys())
+def test_bad_json_is_named_and_shifts_nothing(bad: str):
+    good, other = as_json(WALK[0]), as_json(WALK[20])
+    result = run(f"{good}\n\n{bad}\n{other}\n", "--json")
+    first, named, last = objects(result)
+    assert named == answer(["bad_line"])
+    assert first["joints"] == answer(ANSWER)["joints"]
+    assert last["joints"] == answer(OTHER_ANSWER)["joints"]
+    assert result.returncode == 1
+    message, count = result.stderr.decode().splitlines()
+    assert message.startswith("lift_stdin: line 3: ")
+    assert count == "lift_stdin: bad lines: 1"
+
+
+@pytest.mark.parametrize(
+    "bad", [b"\xff", b"\xc0\x80", b"\xed\xa0\x80", b"\xf4\x90\x80\x80", b"\xc3"]
+)
+def test_json_that_is_not_utf_8_is_bad(bad: bytes):
+    line = as_json(WALK[0], a="?").encode().replace(b"?", bad)
+    result = run(line, "--json")
+    assert (objects(result), result.returncode) == ([answer(["bad_line"])], 1)
+
+
+def test_json_as_long_and_as_deep_as_can_be():
+    deep = json.loads("[" * 31 + "]" * 31)
+    for line in (as_json(WALK[0]).ljust(65536), as_json(WALK[0], a=deep)):
+        (found,) = objects(run(line, "--json"))
+        assert found["joints"] == answer(ANSWER)["joints"]
+
+
+def test_json_has_no_header():
+    result = run("", "--json", "--header")
+    assert (result.returncode, result.stdout) == (2, b"")
+
+
+def refuse_constant(name: str) -> None:
+    raise ValueError(name)
+
+
+def is_pose(line: bytes) -> bool:
+    """What JSON and the description of keypoints say, by Python's parser."""
+    number = (int, float)
+    try:
+        object = json.loads(
+            line.decode("utf-8"), parse_constant=refuse_constant, object_pairs_hook=lambda p: p
+        )
+    except ValueError:
+        return False
+    names = [pair[0] for pair in object] if line.lstrip()[:1] == b"{" else []
+    if names.count("keypoints") != 1 or {"status", "joints", "residual"} & set(names):
+        return False
+    keypoints = dict(object)["keypoints"]
+    if not isinstance(keypoints, list) or len(keypoints) != 14:
+        return False
+    return all(
+        point is None
+        or isinstance(point, list)
+        and len(point) in (2, 3)
+        and (point[:2] == [None, None] or all(type(v) in number for v in point[:2]))
+        and all(type(v) in number for v in point[2:])
+        for point in keypoints
+    )
+
+
+def test_3000_lines_of_broken_json():
+    """Lines with some bytes replaced or cut: bad if and only if Python says so."""
+    rng = random.Random(2)
+    seed = as_json(WALK[0], **MEMBERS).encode()
+    small = keypoints_with("null").encode()
+    lines = []
+    for _ in range(3000):
+        line = bytearray(rng.choice([seed, small, small]))
+        for _ in range(rng.randrange(4)):
+            line[rng.randrange(len(line))] = rng.choice(b'[]{}",:\\-0.1eEnu \t\xc3\xa9')
+        lines.append(bytes(line[: rng.choice([len(line), rng.randrange(1, len(line))])]))
+    lines = [line for line in lines if not re.match(rb"[ \t\r]*(#|$)", line)]
+    found = objects(run(b"\n".join(lines), "--json"))
+    bad = [one["status"] == "bad_line" for one in found]
+    assert bad == [not is_pose(line) for line in lines]
+    assert 0.2 < np.mean(bad) < 0.95
+    for one, line in zip(found, lines, strict=True):
+        if one["status"] != "bad_line":
+            assert json.loads(line).items() <= one.items()
 
 
 # ---- Anything at all -------------------------------------------------------------------------
@@ -439,3 +735,56 @@ def test_5000_lines_of_garbage():
     bad = statuses(table).count("bad_line")
     assert result.stderr.decode().endswith(f"lift_stdin: bad lines: {bad}\n")
     assert result.stderr.decode().count("lift_stdin: line ") == bad
+
+
+# ---- Fixed point -------------------------------------------------------------------------------
+
+
+def test_fixed_point_prints_what_the_library_lifts() -> None:
+    table = lift("\n".join(map(text, WALK)), "--fixed")
+    poses = edmlift.Library("fconn_q15", fixed=True).lift(WALK)
+    assert statuses(table) == list(poses.status)
+    found = np.array([numbers(row)[:42] for row in table]).reshape(-1, 14, 3)
+    np.testing.assert_allclose(found, poses.joints, atol=2e-6)
+    assert not np.array_equal(found[0], numbers(ANSWER)[:42].reshape(14, 3))
+
+
+@pytest.mark.parametrize("model", ["fconn_q15", "fconn_q7"])
+def test_a_quantised_network_runs_in_float_and_in_fixed_point(model: str) -> None:
+    plain, fixed = (lift(GOOD, "--model", model, *more)[0] for more in ([], ["--fixed"]))
+    assert plain[0] == fixed[0] == "ok"
+    np.testing.assert_allclose(numbers(fixed)[:42], numbers(plain)[:42], atol=1e-3)
+
+
+def test_fixed_point_refuses_what_it_cannot_hold() -> None:
+    far, nan, huge = (WALK[0].copy() for _ in range(3))
+    far[:, 0] += 8192
+    nan[3, 2] = np.nan
+    huge[5, 1] = 1e30
+    lines = "\n".join(map(text, (far, nan, huge, unseen([3]), unseen(LEGS), WALK[0])))
+    table = lift(lines, "--fixed")
+    expected = ["not_finite", "not_finite", "not_finite", "ok", "too_few_joints", "ok"]
+    assert statuses(table) == expected
+
+
+def test_fixed_point_reads_formats_and_json() -> None:
+    keypoints = np.zeros((17, 3))
+    keypoints[5:, 2] = keypoints[:5, 2] = 0.9
+    order = [5, 2, 6, 3, 7, 4, 11, 8, 12, 9, 13, 10]  # of COCO's shoulders to ankles
+    keypoints[5:, :2] = WALK[0][order, :2]
+    keypoints[:5, :2] = WALK[0][0, :2] + [[0, 25], [5, 22], [-5, 22], [10, 24], [-10, 24]]
+    plain = lift(text(keypoints), "--format", "coco17")[0]
+    fixed = lift(text(keypoints), "--format", "coco17", "--fixed")[0]
+    assert plain[0] == fixed[0] == "ok"
+    np.testing.assert_allclose(numbers(fixed)[:42], numbers(plain)[:42], atol=5e-3)
+    line = json.dumps({"keypoints": keypoints.tolist()})
+    answer = json.loads(run(line, "--format", "coco17", "--fixed", "--json").stdout)
+    np.testing.assert_allclose(np.ravel(answer["joints"]), numbers(fixed)[:42], atol=2e-6)
+
+
+def test_fixed_point_says_which_networks_it_takes() -> None:
+    result = run(GOOD, "--fixed", "--model", "fconn_f32")
+    assert result.returncode == 2 and result.stdout == b""
+    assert result.stderr == (
+        b"lift_stdin: --fixed takes a quantised network, fconn_q15 or fconn_q7, not fconn_f32\n"
+    )

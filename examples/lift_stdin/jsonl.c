@@ -1,0 +1,95 @@
+/* Lines of JSON: an object each.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "json.h"
+#include "lift_stdin.h"
+
+/* Is that the name of the member at p?  Names spelled with escapes are others. */
+static int is_named(const char *p, const char *name)
+{
+    const size_t length = strlen(name);
+    return strncmp(p + 1, name, length) == 0 && p[1 + length] == '"';
+}
+
+/* The array of keypoints of the object; NULL with what is wrong. */
+static const char *find_keypoints(const char *object, const char **wrong)
+{
+    static const char *const answers[] = {"status", "joints", "mirror_margin", "residual"};
+    const char *found = NULL;
+    for (const char *p = json_first(object); p != NULL; p = json_next(json_value_of(p))) {
+        for (unsigned n = 0; n < sizeof answers / sizeof *answers; n++)
+            if (is_named(p, answers[n])) return *wrong = "has a member of the answer's", NULL;
+        if (!is_named(p, "keypoints")) continue;
+        if (found != NULL) return *wrong = "has keypoints twice", NULL;
+        found = json_value_of(p);
+    }
+    if (found == NULL) return *wrong = "has no keypoints", NULL;
+    if (*found != '[') return *wrong = "keypoints is not an array", NULL;
+    return found;
+}
+
+/* null, [null, null], [x, y] or [x, y, c]; 0 if it is none of them. */
+static int read_keypoint(edml_keypoint *keypoint, const char *p, float threshold)
+{
+    float numbers[3] = {0, 0, 0};
+    int count = 0, nulls = 0;
+    memset(keypoint, 0, sizeof *keypoint);
+    if (*p == 'n') return 1;
+    if (*p != '[') return 0;
+    for (p = json_first(p); p != NULL; p = json_next(p), count++) {
+        if (count == 3 || (*p != 'n' && *p != '-' && (*p < '0' || *p > '9'))) return 0;
+        if (*p == 'n')
+            nulls += count < 2 ? 1 : 4; /* x and y may be null, both of them */
+        else
+            numbers[count] = strtof(p, NULL);
+    }
+    if (count < 2 || (nulls != 0 && nulls != 2)) return 0;
+    if (nulls == 0) *keypoint = keypoint_of(numbers, count, threshold);
+    return 1;
+}
+
+static const char *read_jsonl(edml_keypoint in[], const char *line, const options *set)
+{
+    static char wrong[128];
+    const char *end = json_value(line, JSON_DEPTH), *why = NULL;
+    if (*line != '{' || end == NULL || *json_skip(end) != '\0') return "not a JSON object";
+    const char *keypoints = find_keypoints(line, &why);
+    if (keypoints == NULL) return why;
+    int count = 0;
+    for (const char *p = json_first(keypoints); p != NULL; p = json_next(p), count++) {
+        if (count >= keypoints_of(set)) continue;
+        if (read_keypoint(&in[count], p, set->threshold)) continue;
+        snprintf(wrong, sizeof wrong, "keypoint %d is not null, [x, y] or [x, y, c]", count);
+        return wrong;
+    }
+    if (count == keypoints_of(set)) return NULL;
+    snprintf(wrong, sizeof wrong, "%d keypoints, but %s has %d", count, name_of(set),
+             keypoints_of(set));
+    return wrong;
+}
+
+/* The object that was read, with the answer behind its members. */
+static void write_jsonl(const char *line, const char *status, const edml_pose *pose)
+{
+    if (line != NULL)
+        printf("%.*s,", (int)(json_value(line, JSON_DEPTH) - 1 - line), line);
+    else
+        putchar('{');
+    printf("\"status\":\"%s\"", status);
+    if (pose == NULL) {
+        fputs(",\"joints\":null,\"mirror_margin\":null,\"residual\":null}\n", stdout);
+        return;
+    }
+    for (int j = 0; j < EDML_JOINTS; j++)
+        printf("%s[%.6g,%.6g,%.6g]", j == 0 ? ",\"joints\":[" : ",", (double)pose->joint[j].x,
+               (double)pose->joint[j].y, (double)pose->joint[j].z);
+    printf("],\"mirror_margin\":%.6g,\"residual\":%.6g}\n", (double)pose->mirror_margin,
+           (double)pose->residual);
+}
+
+const line_format jsonl = {65536, read_jsonl, write_jsonl};

@@ -1,0 +1,55 @@
+/* What the parts of lift_stdin share: main.c reads lines and lifts, in fixed point by fixed.c; csv.c
+ * and jsonl.c know what a line looks like, options.c the command line.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef LIFT_STDIN_H
+#define LIFT_STDIN_H
+
+#include <stddef.h>
+
+#include "edmlift.h"
+
+enum { EXIT_OK = 0, EXIT_BAD_LINES = 1, EXIT_TROUBLE = 2 };
+enum { KEYPOINTS_MAX = 255 }; /* of a format */
+
+typedef struct {
+    const edml_model *model;
+    const edml_format *format; /* NULL: the joints of edml_lift() themselves */
+    float threshold;           /* a confidence up to this is none */
+    float width, height;       /* pixels, for a format that counts in shares of the image */
+    int header, json, fixed;
+} options;
+
+/* Ends the program after an option that only prints, or that is wrong. */
+options read_options(char **argv);
+
+/* Keypoints on a line. */
+static inline int keypoints_of(const options *set)
+{
+    return set->format != NULL ? set->format->keypoints : EDML_JOINTS;
+}
+
+static inline const char *name_of(const options *set)
+{
+    return set->format != NULL ? set->format->name : "a pose";
+}
+
+/* One kind of line.  `read` fills the keypoints and returns NULL, or what is wrong with the line;
+ * `write` answers the line, which is NULL if it was bad, with a status and, if that is ok, a pose. */
+typedef struct {
+    int longest; /* bytes of a line */
+    const char *(*read)(edml_keypoint in[], const char *line, const options *set);
+    void (*write)(const char *line, const char *status, const edml_pose *pose);
+} line_format;
+
+extern const line_format csv, jsonl;
+void print_csv_header(void);
+
+/* Lifts in whole numbers; a coordinate that they cannot hold is not finite. */
+edml_status lift_fixed(edml_pose *pose, const edml_keypoint in[], const options *set);
+
+/* A detection: x, y and perhaps c. */
+edml_keypoint keypoint_of(const float *numbers, int count, float threshold);
+
+#endif

@@ -1,0 +1,111 @@
+/* lift_stdin: 2D poses on standard input, 3D poses on standard output, line by line.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "lift_stdin.h"
+
+enum { LINE_MAX_BYTES = 65536 };
+
+typedef enum { LINE_END, LINE_READ, LINE_TOO_LONG } line_result;
+
+static int is_blank(int c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+/* Reads a line without its end and its leading blanks, whatever bytes it holds.  Of one that is
+ * too long the beginning is kept, the rest read and dropped. */
+static line_result read_line(char line[LINE_MAX_BYTES + 1], size_t longest, size_t *length)
+{
+    size_t bytes = 0, kept = 0;
+    int c;
+    while ((c = getchar()) != EOF && c != '\n') {
+        bytes++;
+        if (kept < longest && !(kept == 0 && is_blank(c))) line[kept++] = (char)c;
+    }
+    line[kept] = '\0';
+    *length = kept;
+    if (c == EOF && bytes == 0) return LINE_END;
+    return bytes > longest ? LINE_TOO_LONG : LINE_READ;
+}
+
+edml_keypoint keypoint_of(const float *numbers, int count, float threshold)
+{
+    edml_keypoint keypoint = {numbers[0], numbers[1], 1.0F};
+    if (count == 3) keypoint.c = isfinite(numbers[2]) && numbers[2] <= threshold ? 0.0F : numbers[2];
+    return keypoint;
+}
+
+static edml_status lift(edml_pose *pose, edml_keypoint in[], const options *set)
+{
+    edml_keypoint joints[EDML_JOINTS];
+    edml_work work;
+    const int shares = set->format != NULL && set->format->shares;
+    for (int n = 0; n < keypoints_of(set) && shares; n++) {
+        in[n].x *= set->width;
+        in[n].y *= set->height;
+    }
+    if (set->fixed) return lift_fixed(pose, in, set);
+    if (set->format == NULL) return edml_lift(pose, in, set->model, &work);
+    edml_adapt(joints, in, set->format);
+    return edml_lift(pose, joints, set->model, &work);
+}
+
+/* Lifts one line; returns NULL or what is wrong with it.  Counts refused poses. */
+static const char *lift_line(const line_format *lines, const char *line, const options *set,
+                             unsigned long *refused)
+{
+    edml_keypoint in[KEYPOINTS_MAX];
+    edml_pose pose;
+    const char *wrong = lines->read(in, line, set);
+    if (wrong != NULL) return wrong;
+    const edml_status status = lift(&pose, in, set);
+    if (status != EDML_OK) ++*refused;
+    lines->write(line, edml_status_name(status), status == EDML_OK ? &pose : NULL);
+    return NULL;
+}
+
+/* Lifts every line; returns how many were bad. */
+static unsigned long lift_lines(const line_format *lines, const options *set)
+{
+    static char buffer[LINE_MAX_BYTES + 1];
+    static char too_long[32];
+    unsigned long number = 0, refused = 0, bad = 0;
+    size_t length = 0;
+    line_result result;
+    snprintf(too_long, sizeof too_long, "longer than %d bytes", lines->longest);
+    while (!ferror(stdout) &&
+           (result = read_line(buffer, (size_t)lines->longest, &length)) != LINE_END) {
+        const int mark = ++number == 1 && strncmp(buffer, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0; /* BOM */
+        const char *line = buffer + mark + strspn(buffer + mark, " \t\r");
+        if (*line == '#' || line == buffer + length) continue;
+        const char *wrong = result == LINE_TOO_LONG    ? too_long
+                            : strlen(buffer) != length ? "holds a zero byte"
+                                                       : lift_line(lines, line, set, &refused);
+        if (wrong != NULL) {
+            fprintf(stderr, "lift_stdin: line %lu: %s\n", number, wrong);
+            lines->write(NULL, "bad_line", NULL);
+            bad++;
+        }
+        fflush(stdout);
+    }
+    if (refused > 0) fprintf(stderr, "lift_stdin: refused poses: %lu\n", refused);
+    if (bad > 0) fprintf(stderr, "lift_stdin: bad lines: %lu\n", bad);
+    return bad;
+}
+
+int main(int argc, char **argv)
+{
+    (void)argc;
+    const options set = read_options(argv);
+    if (edml_model_check(set.model) != EDML_OK) {
+        fprintf(stderr, "lift_stdin: model %s is damaged\n", edml_model_name(set.model));
+        return EXIT_TROUBLE;
+    }
+    if (set.header) print_csv_header();
+    const unsigned long bad = lift_lines(set.json ? &jsonl : &csv, &set);
+    if (ferror(stdin)) return fputs("lift_stdin: cannot read input\n", stderr), EXIT_TROUBLE;
+    if (ferror(stdout)) return fputs("lift_stdin: cannot write output\n", stderr), EXIT_TROUBLE;
+    return bad > 0 ? EXIT_BAD_LINES : EXIT_OK;
+}

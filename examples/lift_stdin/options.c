@@ -1,0 +1,182 @@
+/* The command line of lift_stdin.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lift_stdin.h"
+
+static const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_q15, &edml_fconn_q7};
+enum { MODELS = (int)(sizeof models / sizeof models[0]), FIRST_QUANTISED = 1 };
+
+static const char usage[] =
+    "Usage: lift_stdin [OPTION]... < poses.csv > lifted.csv\n"
+    "Lifts 2D poses to 3D, a line of input to a line of output, in order.\n"
+    "\n"
+    "Input: x y or x y c of each keypoint, in pixels, y down, separated by commas or blanks; c is a\n"
+    "confidence, c <= 0 means not seen.  Without --format the keypoints are the 14 joints that the\n"
+    "networks take: head top, neck, right shoulder, elbow, wrist, left shoulder, elbow, wrist, right\n"
+    "hip, knee, ankle, left hip, knee, ankle.  Blank lines and those that start with # are skipped.\n"
+    "\n"
+    "Output: status,x0,y0,z0,...,x13,y13,z13,mirror_margin,residual in metres: x right, y down,\n"
+    "z away from the camera, origin between the hips.  A pose that cannot be lifted has a status\n"
+    "other than ok and empty fields; a line that is not a pose has the status bad_line.\n"
+    "\n"
+    "  --format NAME   keypoints of a detector, such as coco17; --list-formats has all\n"
+    "  --image W,H     size of the image in pixels, for blazepose33, which counts in shares of it\n"
+    "  --json          lines of JSON: objects with \"keypoints\":[[x,y,c],...], where a keypoint may be\n"
+    "                  [x,y], null or [null,null]; each comes out with all its members and \"status\",\n"
+    "                  \"joints\":[[x,y,z],...], \"mirror_margin\" and \"residual\"\n"
+    "  --model NAME    network to use (default: the first of --list-models; with --fixed fconn_q15)\n"
+    "  --fixed         lift in fixed point, as on a core without an FPU; coordinates must be within\n"
+    "                  8192 pixels\n"
+    "  --threshold C   keypoints with confidence <= C are not seen (default: 0)\n"
+    "  --header        print the names of the columns first\n"
+    "  --list-formats  print the names of the formats and how many keypoints they have, and exit\n"
+    "  --list-models   print the names of the networks and exit\n"
+    "  --help          print this and exit\n"
+    "  --version       print the version and exit\n"
+    "\n"
+    "Exit status: 0; 1 if there was a bad line; 2 if input or output failed, or for a wrong option.\n";
+
+/* Value of an option, given as "--name value" or "--name=value"; NULL if `arg` is another one. */
+static const char *option_value(const char *name, char **argv, int *i)
+{
+    const size_t length = strlen(name);
+    if (strncmp(argv[*i], name, length) != 0) return NULL;
+    if (argv[*i][length] == '=') return argv[*i] + length + 1;
+    if (argv[*i][length] != '\0') return NULL;
+    if (argv[*i + 1] == NULL) {
+        fprintf(stderr, "lift_stdin: %s needs a value\n", name);
+        exit(EXIT_TROUBLE);
+    }
+    return argv[++*i];
+}
+
+static void refuse(const char *message)
+{
+    fprintf(stderr, "lift_stdin: %s\n", message);
+    exit(EXIT_TROUBLE);
+}
+
+static void print_models(FILE *file)
+{
+    for (int n = 0; n < MODELS; n++) fprintf(file, "%s\n", edml_model_name(models[n]));
+}
+
+static void print_formats(FILE *file)
+{
+    for (int n = 0; n < EDML_FORMATS; n++)
+        fprintf(file, "%s %d\n", edml_formats[n]->name, edml_formats[n]->keypoints);
+}
+
+static void set_model(options *set, const char *name)
+{
+    for (int n = 0; n < MODELS; n++) {
+        if (strcmp(edml_model_name(models[n]), name) != 0) continue;
+        set->model = models[n];
+        return;
+    }
+    fprintf(stderr, "lift_stdin: no model '%s'; there are:\n", name);
+    print_models(stderr);
+    exit(EXIT_TROUBLE);
+}
+
+static void set_format(options *set, const char *name)
+{
+    set->format = edml_format_find(name);
+    if (set->format != NULL) return;
+    fprintf(stderr, "lift_stdin: no format '%s'; there are, with their number of keypoints:\n", name);
+    print_formats(stderr);
+    exit(EXIT_TROUBLE);
+}
+
+static void set_threshold(options *set, const char *text)
+{
+    char *end;
+    set->threshold = strtof(text, &end);
+    if (end != text && *end == '\0' && set->threshold >= 0) return;
+    fprintf(stderr, "lift_stdin: --threshold must be a number >= 0, not '%s'\n", text);
+    exit(EXIT_TROUBLE);
+}
+
+static void set_image(options *set, const char *text)
+{
+    char *end;
+    const unsigned long width = strtoul(text, &end, 10);
+    const unsigned long height = *end == ',' ? strtoul(end + 1, &end, 10) : 0;
+    set->width = (float)width;
+    set->height = (float)height;
+    const int digits = strspn(text, "0123456789,") == strlen(text);
+    if (digits && *end == '\0' && width - 1 < 1000000 && height - 1 < 1000000) return;
+    fprintf(stderr, "lift_stdin: --image must be WIDTH,HEIGHT in pixels, not '%s'\n", text);
+    exit(EXIT_TROUBLE);
+}
+
+/* An option with a value; 0 if it is none. */
+static int set_value(options *set, char **argv, int *i)
+{
+    static const struct {
+        const char *name;
+        void (*set)(options *set, const char *value);
+    } settings[] = {
+        {"--model", set_model},
+        {"--format", set_format},
+        {"--threshold", set_threshold},
+        {"--image", set_image},
+    };
+    for (unsigned n = 0; n < sizeof settings / sizeof *settings; n++) {
+        const char *value = option_value(settings[n].name, argv, i);
+        if (value == NULL) continue;
+        settings[n].set(set, value);
+        return 1;
+    }
+    return 0;
+}
+
+/* An option that only prints ends the program. */
+static void print_and_exit(const char *option)
+{
+    if (strcmp(option, "--list-models") == 0)
+        print_models(stdout);
+    else if (strcmp(option, "--list-formats") == 0)
+        print_formats(stdout);
+    else if (strcmp(option, "--help") == 0)
+        fputs(usage, stdout);
+    else if (strcmp(option, "--version") == 0)
+        puts("lift_stdin (edmlift) " EDML_VERSION_STRING);
+    else
+        return;
+    if (fflush(stdout) != 0 || ferror(stdout)) refuse("cannot write output");
+    exit(EXIT_OK);
+}
+
+options read_options(char **argv)
+{
+    options set = {NULL, NULL, 0, 0, 0, 0, 0, 0};
+    for (int i = 1; argv[i] != NULL; i++) {
+        if (set_value(&set, argv, &i)) continue;
+        print_and_exit(argv[i]);
+        if (strcmp(argv[i], "--header") == 0) {
+            set.header = 1;
+        } else if (strcmp(argv[i], "--json") == 0) {
+            set.json = 1;
+        } else if (strcmp(argv[i], "--fixed") == 0) {
+            set.fixed = 1;
+        } else {
+            fprintf(stderr, "lift_stdin: unknown option '%s'; see --help\n", argv[i]);
+            exit(EXIT_TROUBLE);
+        }
+    }
+    if (set.model == NULL) set.model = models[set.fixed ? FIRST_QUANTISED : 0];
+    if (set.fixed && set.model == &edml_fconn_f32)
+        refuse("--fixed takes a quantised network, fconn_q15 or fconn_q7, not fconn_f32");
+    const int shares = set.format != NULL && set.format->shares;
+    if (shares && set.width == 0)
+        refuse("this format counts in shares of the image: say its size with --image WIDTH,HEIGHT");
+    if (!shares && set.width != 0) refuse("--image is for formats in shares of the image");
+    if (set.json && set.header) refuse("--header is not for --json");
+    return set;
+}
