@@ -23,6 +23,7 @@ from skeleton import MIRROR, mid_hip
 from triangulate import read_cameras, triangulate
 
 DATA = Path(__file__).resolve().parent.parent / "examples" / "data" / "detections"
+CAMERAS = DATA / "beam_cameras.json"
 FORMAT = "blazepose33"
 KEYPOINTS = 33
 SURE = 0.5  # visibility
@@ -87,7 +88,7 @@ def read_street(library: Library) -> Clip:
 def read_beam(library: Library) -> tuple[dict[str, Clip], np.ndarray]:
     """The four views, and the distances [4,F,12] of limb joints in the image from the reference,
     in pixels."""
-    views = read_cameras(DATA / "beam_cameras.json")
+    views = read_cameras(CAMERAS)
     found = [read(name, view.size) for name, view in zip(BEAM, views, strict=True)]
     seen = np.stack([keypoints for keypoints, _ in found])
     points, exchanged, errors = triangulate(views, seen[..., :2], seen[..., 2], SWAPPED)
