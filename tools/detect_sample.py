@@ -1,7 +1,7 @@
 """Makes the detections of examples/data/detections: a real 2D detector on real video.
 
     python3.11 -m venv detector
-    detector/bin/pip install mediapipe==0.10.9 opencv-python-headless==4.9.0.80 "numpy<2"
+    detector/bin/pip install mediapipe==0.10.9 opencv-contrib-python==4.9.0.80 "numpy<2"
     detector/bin/python tools/detect_sample.py [--wheels FOLDER] [--out examples/data/detections]
 
 Not part of tools/check: it wants an environment of its own (the package above, 35 MB, holds the

@@ -137,6 +137,19 @@ def test_the_table_is_the_documents(library, beam, street):
     assert marks.read(DOCUMENT, "detections") == detections.markdown(figures)
 
 
+def test_the_readmes_figures(library, beam):
+    clips = beam.values()
+    keypoints = np.concatenate([put_right(clip) for clip in clips])
+    world = np.concatenate([detections.put_right(c.world, c.exchanged) for c in clips])
+    truth = np.concatenate([clip.truth for clip in clips])
+    lifted = library.lift(keypoints).joints.astype(float)
+    own, other = (detections.millimetres(rigid_errors(p, truth)) for p in (lifted, world))
+    text = (
+        f"it is {own:.0f} mm from what four cameras triangulate, BlazePose's own\n3D {other:.0f} mm"
+    )
+    assert text in (ROOT / "README.md").read_text()
+
+
 # ---- The reference ---------------------------------------------------------------------------
 
 
@@ -213,16 +226,3 @@ def test_the_picture_is_drawn(library, beam, tmp_path: Path):
     detections.picture(library, beam, tmp_path / "sheet.png")
     drawn = (tmp_path / "sheet.png").read_bytes()
     assert drawn.startswith(b"\x89PNG") and 50_000 < len(drawn) < 250_000
-
-
-def test_the_readmes_figures(library, beam):
-    clips = beam.values()
-    keypoints = np.concatenate([put_right(clip) for clip in clips])
-    world = np.concatenate([detections.put_right(c.world, c.exchanged) for c in clips])
-    truth = np.concatenate([clip.truth for clip in clips])
-    lifted = library.lift(keypoints).joints.astype(float)
-    own, other = (detections.millimetres(rigid_errors(p, truth)) for p in (lifted, world))
-    text = (
-        f"it is {own:.0f} mm from what four cameras triangulate, BlazePose's own\n3D {other:.0f} mm"
-    )
-    assert text in (ROOT / "README.md").read_text()
