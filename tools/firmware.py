@@ -125,7 +125,7 @@ def build(
     run(
         *compiler(target, level), "--oslib=semihost", "--crt0=semihost", "-Wl,--gc-sections",
         "-DPICOLIBC_INTEGER_PRINTF_SCANF", *options,
-        "-Wl,--defsym=__stack_size=2048",
+        "-Wl,--defsym=__stack_size=6144",
         *(f"-Wl,--defsym=__{name}={value}" for name, value in places.items()),
         program, *library, "-lm", "-o", image,
     )  # fmt: skip

@@ -9,7 +9,7 @@
 #include "counter.h"
 #include "stages.h"
 
-enum { PAINT_BYTES = 1024, PAINT = 0xA5 };
+enum { PAINT_BYTES = 3072, PAINT = 0xA5 };
 
 STAGE nothing(void) {}
 
