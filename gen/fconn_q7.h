@@ -17,7 +17,7 @@
 #error "regenerate with tools/export_weights.py"
 #endif
 
-static const int8_t fconn_q7_weight0[16 * 91 * 8] = {
+static const int8_t EDML_IN_WORDS fconn_q7_weight0[16 * 91 * 8] = {
     -3, 8, 20, -16, -25, 21, 12, 7,
     -6, 25, -19, 25, -16, 21, 26, 4,
     -2, -3, -18, 57, -1, -20, 8, -4,
@@ -1512,7 +1512,7 @@ static const int32_t fconn_q7_factor0[16 * 8] = {
     939293046, 319580669, 284779343, 244924305, 140046756, 238733309, 379792671, 91816269,
 };
 
-static const int8_t fconn_q7_weight1[16 * 128 * 8] = {
+static const int8_t EDML_IN_WORDS fconn_q7_weight1[16 * 128 * 8] = {
     59, 109, -58, 53, 16, -115, -7, 47,
     3, -8, 7, 7, -11, 25, 9, -3,
     -8, 10, 0, 12, 2, 59, 17, -31,
@@ -3599,7 +3599,7 @@ static const int32_t fconn_q7_factor1[16 * 8] = {
     115201524, 435177983, 655259662, 410349351, 175946118, 181766065, 220945732, 246452742,
 };
 
-static const int8_t fconn_q7_weight2[12 * 128 * 8] = {
+static const int8_t EDML_IN_WORDS fconn_q7_weight2[12 * 128 * 8] = {
     16, 8, -8, 15, -7, -10, -13, 3,
     -4, -19, 9, 16, 0, -12, 16, 3,
     -16, -25, -33, 12, -23, -32, 13, -10,

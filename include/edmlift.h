@@ -179,10 +179,11 @@ typedef struct {
  *   in      the keypoints that it was lifted from; each counts by its confidence, and not at all
  *           below a thousandth of all confidence
  *   work    may be that of the lift
- * What the size of the person is off by, the distance is off by, too: one image shows no more.
+ * What the size of the person is off by, the distance is off by, too: one image shows no more.  Takes
+ * up to 1.6 kB of stack.  Of points all in a plane, 1 pose in 500 is turned the wrong one of two ways.
  * Besides EDML_ERR_ARGUMENT and EDML_ERR_NOT_FINITE (also of a joint beyond 4 m):
  *   EDML_ERR_TOO_FEW_JOINTS  fewer than 7 joints seen
- *   EDML_ERR_DEGENERATE      joints or image on a line, or under 1/64 m or 1/4 degree (RMS)
+ *   EDML_ERR_DEGENERATE      joints or image on a line, or under 1/64 m or 0.11 degrees (RMS)
  *   EDML_ERR_CAMERA          not a camera; a joint seen more than 63 degrees off its axis or 60 off
  *                            the person; a joint behind it, or much nearer than the person; a person
  *                            beyond 100 m; a joint that is off by more than the person's size */

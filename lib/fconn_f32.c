@@ -21,4 +21,8 @@ static void rescale(float *y, const dense_layer *layer) { (void)y, (void)layer; 
 
 #define HASH_FACTORS(hash, layer, rows) (void)0
 
+#if defined(__GNUC__) && defined(__ARM_FP) && defined(__thumb2__)
+#define ROWS "rows_vfp.inc"
+#endif
+
 #include "fconn.inc"

@@ -10,4 +10,8 @@ typedef edml_dense_q15 dense_layer;
 
 #include "fconn_int.h"
 
+#if defined(__GNUC__) && defined(__ARM_FEATURE_DSP) && defined(__thumb2__) && !defined(__ARM_BIG_ENDIAN)
+#define ROWS "rows_dsp.inc"
+#endif
+
 #include "fconn.inc"

@@ -20,12 +20,14 @@ enum {
     EDML_EDM_SHIFT = 12      /* its input is the EDM in Q24 shifted right by this: Q12, below 8 */
 };
 
-/* A function that must not be inlined: its caller goes deeper once it is done, and what it had on the
- * stack would still be there. */
+/* EDML_APART: a function that must not be inlined: its caller goes deeper once it is done, and what it
+ * had on the stack would still be there.  EDML_IN_WORDS: weights that may be loaded a word at a time. */
 #ifdef __GNUC__
 #define EDML_APART __attribute__((noinline))
+#define EDML_IN_WORDS __attribute__((aligned(4)))
 #else
 #define EDML_APART
+#define EDML_IN_WORDS
 #endif
 
 /* A layer of a network.  Rows of weights are grouped by EDML_ROWS; a group holds, input by input,
@@ -43,7 +45,7 @@ typedef struct {
  * that no sum on the way to W x + b leaves 32 bits. */
 typedef struct {
     uint16_t inputs, outputs;
-    const int16_t *weight; /* [groups][inputs][EDML_ROWS] */
+    const int16_t *weight; /* [groups][inputs][EDML_ROWS], EDML_IN_WORDS */
     const int32_t *bias, *factor; /* [groups * EDML_ROWS]; factor > 0 */
     uint8_t shift; /* 1 to 62 */
     int32_t most; /* EDML_ACTIVATION; in the last layer, whose y is in metres, Q24: 3 m */

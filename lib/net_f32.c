@@ -8,7 +8,7 @@
 
 static int32_t to_q24(float value)
 {
-    return value < 127.0F ? (int32_t)(value * ONE + 0.5F) : 127 << 24; /* value >= 0 */
+    return value < 127.0F ? (int32_t)(value * ONE + 0.5F) : INT32_C(127) << 24; /* value >= 0 */
 }
 
 void edml_net_f32(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,

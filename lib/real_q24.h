@@ -38,25 +38,25 @@ typedef edml_point_q16 placed_point;
 #define NARROW(sum) ((real)(sum))
 #define PRODUCT(a, b) product_q40(a, b)
 #define AS_REAL(sum) saturate_q40(sum)
-#define IN_REACH(square) ((square) < 64 << 24) /* m^2 */
+#define IN_REACH(square) ((square) < INT32_C(64) << 24) /* m^2 */
 #define ENDLESS INT64_MAX
 #define RESULT(a) (((a) + 128) >> 8)
 #define GIVEN(a) ((a) * 256)             /* |a| < 128 */
 
 #define FINITE(a) in_range_q24(a)
-#define EXACT_TO (256 << 16) /* pixels: 24 bits, as many as a float has */
+#define EXACT_TO (INT32_C(256) << 16) /* pixels: 24 bits, as many as a float has */
 #define RUNS(model) ((model)->predict_q24 != NULL)
 
 /* Shifting a negative number to the right must round down, as it does everywhere; C leaves it open. */
 typedef char shifts_are_arithmetic[(-3 >> 1) == -2 ? 1 : -1];
 
 /* Coordinates within 8192 pixels; confidences always. */
-static inline int in_range_q24(int32_t a) { return a > -(1 << 29) && a < 1 << 29; }
+static inline int in_range_q24(int32_t a) { return a > -(INT32_C(1) << 29) && a < INT32_C(1) << 29; }
 
 /* To the nearest; |a b| < 128. */
 static inline real mul_q24(real a, real b)
 {
-    return (real)(((int64_t)a * b + (1 << 23)) >> 24);
+    return (real)(((int64_t)a * b + (INT32_C(1) << 23)) >> 24);
 }
 
 static inline wide product_q40(real a, real b) /* rounded down */
@@ -67,7 +67,7 @@ static inline wide product_q40(real a, real b) /* rounded down */
 static inline real saturate_q40(wide sum)
 {
     const wide most = (wide)64 << 40;
-    return (real)(((sum > most ? most : sum < -most ? -most : sum) + (1 << 15)) >> 16);
+    return (real)(((sum > most ? most : sum < -most ? -most : sum) + (INT32_C(1) << 15)) >> 16);
 }
 
 static inline real sqrt_q24(real a)

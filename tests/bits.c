@@ -73,26 +73,72 @@ static int32_t fixed(float pixels)
     return pixels < 8192.0F ? (int32_t)(pixels * 65536.0F) : INT32_MAX;
 }
 
+static void hard_pose_q16(edml_keypoint_q16 in[EDML_JOINTS], int n)
+{
+    edml_keypoint image[EDML_JOINTS];
+    hard_pose(image, n);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        in[j].x = fixed(image[j].x);
+        in[j].y = fixed(image[j].y);
+        in[j].c = image[j].c > 0 ? INT16_MAX : 0;
+    }
+}
+
 static int lift_poses_q24(const edml_model *model)
 {
     int lifted = 0;
     for (int n = 0; n < POSES; n++) {
-        edml_keypoint image[EDML_JOINTS];
         edml_keypoint_q16 in[EDML_JOINTS];
         edml_pose_q16 pose;
         memset(&pose, 0, sizeof pose);
-        hard_pose(image, n);
-        for (int j = 0; j < EDML_JOINTS; j++) {
-            in[j].x = fixed(image[j].x);
-            in[j].y = fixed(image[j].y);
-            in[j].c = image[j].c > 0 ? INT16_MAX : 0;
-        }
+        hard_pose_q16(in, n);
         const int8_t status = (int8_t)edml_lift_q24(&pose, in, model, &work_q24);
         add_bytes(&status, sizeof status);
         add_bytes(&pose, sizeof pose);
         lifted += status == EDML_OK;
     }
     return lifted;
+}
+
+/* What was lifted of hard poses, before cameras of many focal lengths. */
+static int place_poses(void)
+{
+    int placed = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint in[EDML_JOINTS];
+        edml_pose pose;
+        edml_placement placement;
+        memset(&placement, 0, sizeof placement);
+        hard_pose(in, n);
+        if (edml_lift(&pose, in, &edml_fconn_f32, &work) != EDML_OK) continue;
+        const float focal = (float)(500 + draw(2000));
+        const edml_camera camera = {focal, focal, 1000, 0};
+        const int8_t status = (int8_t)edml_place(&placement, &pose, in, &camera, &work);
+        add_bytes(&status, sizeof status);
+        add_bytes(&placement, sizeof placement);
+        placed += status == EDML_OK;
+    }
+    return placed;
+}
+
+static int place_poses_q24(void)
+{
+    int placed = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint_q16 in[EDML_JOINTS];
+        edml_pose_q16 pose;
+        edml_placement_q16 placement;
+        memset(&placement, 0, sizeof placement);
+        hard_pose_q16(in, n);
+        if (edml_lift_q24(&pose, in, &edml_fconn_q15, &work_q24) != EDML_OK) continue;
+        const int32_t focal = (500 + draw(2000)) * 65536;
+        const edml_camera_q16 camera = {focal, focal, 1000 * 65536, 0};
+        const int8_t status = (int8_t)edml_place_q24(&placement, &pose, in, &camera, &work_q24);
+        add_bytes(&status, sizeof status);
+        add_bytes(&placement, sizeof placement);
+        placed += status == EDML_OK;
+    }
+    return placed;
 }
 
 /* Entries of both signs, of one size. */
@@ -158,10 +204,10 @@ static void start(void)
     state = 1;
 }
 
-static void report(const char *what, int lifted)
+static void report(const char *what, int count, const char *done)
 {
-    printf("%s %08lx%08lx %d of %d lifted\n", what, (unsigned long)(hash >> 32),
-           (unsigned long)(hash & 0xFFFFFFFFU), lifted, POSES);
+    printf("%s %08lx%08lx %d of %d %s\n", what, (unsigned long)(hash >> 32),
+           (unsigned long)(hash & 0xFFFFFFFFU), count, POSES, done);
 }
 
 int main(void)
@@ -170,15 +216,19 @@ int main(void)
     int lifted = lift_poses(&edml_fconn_f32);
     decompose_matrices();
     refine_shapes();
-    report("float f32", lifted);
+    report("float f32", lifted, "lifted");
     start();
-    report("float q15", lift_poses(&edml_fconn_q15));
+    report("float q15", lift_poses(&edml_fconn_q15), "lifted");
     start();
     lifted = lift_poses_q24(&edml_fconn_q15);
     decompose_matrices_q24();
     refine_shapes_q24();
-    report("fixed q15", lifted);
+    report("fixed q15", lifted, "lifted");
     start();
-    report("fixed q7", lift_poses_q24(&edml_fconn_q7));
+    report("fixed q7", lift_poses_q24(&edml_fconn_q7), "lifted");
+    start();
+    report("float f32", place_poses(), "placed");
+    start();
+    report("fixed q15", place_poses_q24(), "placed");
     return 0;
 }

@@ -1,5 +1,6 @@
 /* Any bytes into edml_lift and edml_lift_q24: a status that exists, and with it either a sound pose or
- * none; in fixed point no overflow, by the numbers that watch themselves (check/).
+ * none; in fixed point no overflow, by the numbers that watch themselves (check/).  What was lifted is
+ * placed before cameras of any kind, with the same demands.
  *
  * With libFuzzer (fuzz.sh) or, with its own main, on pseudo-random inputs: fuzz [COUNT].
  *
@@ -58,6 +59,33 @@ static void check_status(edml_status status)
     require(status != EDML_ERR_ARGUMENT && status != EDML_ERR_MODEL, "a status without a cause");
 }
 
+static void check_placement_status(edml_status status)
+{
+    require(edml_status_name(status)[0] != '?', "an unknown status of a placement");
+    require(status != EDML_ERR_ARGUMENT && status != EDML_ERR_MODEL && status != EDML_ERR_UNUSUAL,
+            "a placement's status without a cause");
+}
+
+/* From a hundredth of a pixel to 10,000, by a byte. */
+static float some_focal_length(uint8_t byte) { return 0.01F * powf(10, (float)byte / 42.5F); }
+
+static void place_floats(const edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
+                         const uint8_t *data, edml_work *work)
+{
+    const float focal = some_focal_length(data[1]);
+    const edml_camera camera = {focal, focal, in[data[2] % EDML_JOINTS].x, in[data[3] % EDML_JOINTS].y};
+    edml_placement placement;
+    const edml_status status = edml_place(&placement, pose, in, &camera, work);
+    check_placement_status(status);
+    if (status != EDML_OK) return;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const edml_point p = placement.joint[j];
+        require(isfinite(p.x) && isfinite(p.y) && p.z > 0 && p.z < 110, "a joint is out of sight");
+    }
+    require(placement.reprojection >= 0 && isfinite(placement.reprojection), "a bad reprojection");
+    require(placement.steps <= 53, "too many steps");
+}
+
 static void lift_floats(const uint8_t *data)
 {
     edml_keypoint in[EDML_JOINTS];
@@ -70,10 +98,12 @@ static void lift_floats(const uint8_t *data)
 
     const edml_status status = edml_lift(&pose, in, &edml_fconn_f32, &work);
     check_status(status);
-    if (status == EDML_OK)
+    if (status == EDML_OK) {
         check_pose(&pose);
-    else
+        place_floats(&pose, in, data, &work);
+    } else {
         require(memcmp(&pose, &untouched, sizeof pose) == 0, "refused, but the pose was written");
+    }
 }
 
 /* As they are, or in 16-bit tenths of pixels, or such ones spread over the whole range. */
@@ -105,6 +135,23 @@ static void check_pose_q16(const edml_pose_q16 *pose)
     require(pose->seen < 1 << EDML_JOINTS, "a joint that does not exist was seen");
 }
 
+static void place_whole_numbers(const edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS],
+                                const uint8_t *data, edml_work_q24 *work)
+{
+    const int32_t focal = (int32_t)(65536 * some_focal_length(data[1] % 250)); /* to 7,600 */
+    const edml_camera_q16 camera = {focal, focal, in[data[2] % EDML_JOINTS].x,
+                                    in[data[3] % EDML_JOINTS].y};
+    edml_placement_q16 placement, watched;
+    check_tally taken;
+    memset(&placement, 0xA5, sizeof placement);
+    memset(&watched, 0xA5, sizeof watched);
+    const edml_status status = edml_place_q24(&placement, pose, in, &camera, work);
+    check_placement_status(status);
+    require(check_place(&watched, pose, in, &camera, &taken) == status, "another status of a watched placement");
+    require(taken.overflows == 0, "a number of a placement overflows");
+    require(memcmp(&placement, &watched, sizeof placement) == 0, "not the placement of watched numbers");
+}
+
 static void lift_whole_numbers(const uint8_t *data)
 {
     const edml_model *model = data[0] & 128 ? &edml_fconn_q15 : &edml_fconn_q7;
@@ -123,6 +170,7 @@ static void lift_whole_numbers(const uint8_t *data)
     require(check_lift(&watched, in, model, &taken) == status, "another status of watched numbers");
     require(taken.overflows == 0, "a number overflows");
     require(memcmp(&pose, &watched, sizeof pose) == 0, "not the pose of watched numbers");
+    if (status == EDML_OK) place_whole_numbers(&pose, in, data, &work);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

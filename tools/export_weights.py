@@ -325,6 +325,8 @@ def layer_text(layer: Packed, model: str, number: int) -> str:
 def array_text(name: str, size: str, values: np.ndarray) -> str:
     """ROWS values a line: of weights, those of one input."""
     kind, text = ("float", hex_float) if values.dtype.kind == "f" else (f"{values.dtype}_t", str)
+    if values.dtype.itemsize < 4:
+        kind += " EDML_IN_WORDS"
     lines = (", ".join(map(text, row)) for row in values.reshape(-1, ROWS).tolist())
     body = "".join(f"    {line},\n" for line in lines)
     return f"static const {kind} {name}[{size}] = {{\n{body}}};\n"

@@ -52,26 +52,40 @@ static const char *read_csv(edml_keypoint in[], const char *line, const options 
     return NULL;
 }
 
-static void write_csv(const char *line, const char *status, const edml_pose *pose)
+static void write_fields(const float *values, int count)
+{
+    for (int n = 0; n < count; n++)
+        if (values == NULL)
+            putchar(',');
+        else
+            printf(",%.6g", (double)values[n]);
+}
+
+static void write_csv(const char *line, const answer *out, const options *set)
 {
     (void)line;
-    fputs(status, stdout);
-    if (pose == NULL) {
-        for (int n = 0; n < 3 * EDML_JOINTS + 2; n++) putchar(',');
-    } else {
-        for (int j = 0; j < EDML_JOINTS; j++)
-            printf(",%.6g,%.6g,%.6g", (double)pose->joint[j].x, (double)pose->joint[j].y,
-                   (double)pose->joint[j].z);
-        printf(",%.6g,%.6g", (double)pose->mirror_margin, (double)pose->residual);
+    const int lifted = strcmp(out->status, "ok") == 0;
+    fputs(out->status, stdout);
+    write_fields(lifted ? &out->pose.joint[0].x : NULL, 3 * EDML_JOINTS);
+    write_fields(lifted ? &out->pose.mirror_margin : NULL, 1);
+    write_fields(lifted ? &out->pose.residual : NULL, 1);
+    if (places(set)) {
+        const int placed = lifted && strcmp(out->placed, "ok") == 0;
+        printf(",%s", lifted ? out->placed : "");
+        write_fields(placed ? &out->root.x : NULL, 3);
+        write_fields(placed ? &out->reprojection : NULL, 1);
+        write_fields(placed ? &out->focal : NULL, 1);
     }
     putchar('\n');
 }
 
-void print_csv_header(void)
+void print_csv_header(const options *set)
 {
     fputs("status", stdout);
     for (int j = 0; j < EDML_JOINTS; j++) printf(",x%d,y%d,z%d", j, j, j);
-    puts(",mirror_margin,residual");
+    fputs(",mirror_margin,residual", stdout);
+    if (places(set)) fputs(",placement,root_x,root_y,root_z,reprojection,focal", stdout);
+    putchar('\n');
     fflush(stdout);
 }
 

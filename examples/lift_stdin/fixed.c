@@ -1,4 +1,4 @@
-/* The lift in fixed point: everything between the numbers read and the numbers printed is done in
+/* The lift and the placement in fixed point: everything between the numbers read and the numbers printed is done in
  * whole numbers, as on a core without an FPU.
  *
  * SPDX-License-Identifier: MIT
@@ -28,23 +28,50 @@ static edml_keypoint_q16 to_q16(edml_keypoint in)
 
 static float to_float(int32_t value) { return (float)(value / 65536.0); }
 
-edml_status lift_fixed(edml_pose *pose, const edml_keypoint in[], const options *set)
+static edml_point point_of(edml_point_q16 p)
 {
-    edml_keypoint_q16 whole[KEYPOINTS_MAX], joints[EDML_JOINTS];
+    const edml_point q = {to_float(p.x), to_float(p.y), to_float(p.z)};
+    return q;
+}
+
+static int32_t whole(float value)
+{
+    return saturate(65536.0 * (double)value, INT32_MIN, INT32_MAX);
+}
+
+static void place_fixed(answer *out, const edml_pose_q16 *pose, const edml_keypoint_q16 in[],
+                        const options *set, edml_work_q24 *work)
+{
+    edml_camera_q16 camera = {whole(set->camera.fx), whole(set->camera.fy), whole(set->camera.cx),
+                              whole(set->camera.cy)};
+    edml_placement_q16 placed;
+    edml_placement placement;
+    const edml_status status =
+        set->sweep ? edml_place_sweep_q24(&placed, &camera, pose, in, whole(set->width),
+                                          whole(set->height), work)
+                   : edml_place_q24(&placed, pose, in, &camera, work);
+    if (status == EDML_OK) {
+        for (int j = 0; j < EDML_JOINTS; j++) placement.joint[j] = point_of(placed.joint[j]);
+        placement.translation = point_of(placed.translation);
+        placement.reprojection = to_float(placed.reprojection);
+    }
+    take_placement(out, status, &placement, to_float(camera.fx));
+}
+
+edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set)
+{
+    edml_keypoint_q16 keypoints[KEYPOINTS_MAX], joints[EDML_JOINTS];
     edml_pose_q16 lifted;
     edml_work_q24 work;
-    for (int n = 0; n < keypoints_of(set); n++) whole[n] = to_q16(in[n]);
-    if (set->format != NULL) edml_adapt_q16(joints, whole, set->format);
-    const edml_status status =
-        edml_lift_q24(&lifted, set->format != NULL ? joints : whole, set->model, &work);
+    for (int n = 0; n < keypoints_of(set); n++) keypoints[n] = to_q16(in[n]);
+    if (set->format != NULL) edml_adapt_q16(joints, keypoints, set->format);
+    const edml_keypoint_q16 *seen = set->format != NULL ? joints : keypoints;
+    const edml_status status = edml_lift_q24(&lifted, seen, set->model, &work);
     if (status != EDML_OK) return status;
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        pose->joint[j].x = to_float(lifted.joint[j].x);
-        pose->joint[j].y = to_float(lifted.joint[j].y);
-        pose->joint[j].z = to_float(lifted.joint[j].z);
-    }
-    pose->mirror_margin = to_float(lifted.mirror_margin);
-    pose->residual = to_float(lifted.residual);
-    pose->seen = lifted.seen;
+    for (int j = 0; j < EDML_JOINTS; j++) out->pose.joint[j] = point_of(lifted.joint[j]);
+    out->pose.mirror_margin = to_float(lifted.mirror_margin);
+    out->pose.residual = to_float(lifted.residual);
+    out->pose.seen = lifted.seen;
+    if (places(set)) place_fixed(out, &lifted, seen, set, &work);
     return EDML_OK;
 }

@@ -17,12 +17,14 @@ static int is_named(const char *p, const char *name)
 }
 
 /* The array of keypoints of the object; NULL with what is wrong. */
-static const char *find_keypoints(const char *object, const char **wrong)
+static const char *find_keypoints(const char *object, const char **wrong, const options *set)
 {
-    static const char *const answers[] = {"status", "joints", "mirror_margin", "residual"};
+    static const char *const answers[] = {"status",    "joints", "mirror_margin", "residual",
+                                          "placement", "root",   "reprojection",  "focal"};
+    const unsigned count = places(set) ? 8 : 4;
     const char *found = NULL;
     for (const char *p = json_first(object); p != NULL; p = json_next(json_value_of(p))) {
-        for (unsigned n = 0; n < sizeof answers / sizeof *answers; n++)
+        for (unsigned n = 0; n < count; n++)
             if (is_named(p, answers[n])) return *wrong = "has a member of the answer's", NULL;
         if (!is_named(p, "keypoints")) continue;
         if (found != NULL) return *wrong = "has keypoints twice", NULL;
@@ -58,7 +60,7 @@ static const char *read_jsonl(edml_keypoint in[], const char *line, const option
     static char wrong[128];
     const char *end = json_value(line, JSON_DEPTH), *why = NULL;
     if (*line != '{' || end == NULL || *json_skip(end) != '\0') return "not a JSON object";
-    const char *keypoints = find_keypoints(line, &why);
+    const char *keypoints = find_keypoints(line, &why, set);
     if (keypoints == NULL) return why;
     int count = 0;
     for (const char *p = json_first(keypoints); p != NULL; p = json_next(p), count++) {
@@ -73,23 +75,40 @@ static const char *read_jsonl(edml_keypoint in[], const char *line, const option
     return wrong;
 }
 
-/* The object that was read, with the answer behind its members. */
-static void write_jsonl(const char *line, const char *status, const edml_pose *pose)
+static void write_placement(const answer *out, int lifted)
 {
+    if (lifted)
+        printf(",\"placement\":\"%s\"", out->placed);
+    else
+        fputs(",\"placement\":null", stdout);
+    if (lifted && strcmp(out->placed, "ok") == 0)
+        printf(",\"root\":[%.6g,%.6g,%.6g],\"reprojection\":%.6g,\"focal\":%.6g",
+               (double)out->root.x, (double)out->root.y, (double)out->root.z,
+               (double)out->reprojection, (double)out->focal);
+    else
+        fputs(",\"root\":null,\"reprojection\":null,\"focal\":null", stdout);
+}
+
+/* The object that was read, with the answer behind its members. */
+static void write_jsonl(const char *line, const answer *out, const options *set)
+{
+    const int lifted = strcmp(out->status, "ok") == 0;
     if (line != NULL)
         printf("%.*s,", (int)(json_value(line, JSON_DEPTH) - 1 - line), line);
     else
         putchar('{');
-    printf("\"status\":\"%s\"", status);
-    if (pose == NULL) {
-        fputs(",\"joints\":null,\"mirror_margin\":null,\"residual\":null}\n", stdout);
-        return;
-    }
-    for (int j = 0; j < EDML_JOINTS; j++)
-        printf("%s[%.6g,%.6g,%.6g]", j == 0 ? ",\"joints\":[" : ",", (double)pose->joint[j].x,
-               (double)pose->joint[j].y, (double)pose->joint[j].z);
-    printf("],\"mirror_margin\":%.6g,\"residual\":%.6g}\n", (double)pose->mirror_margin,
-           (double)pose->residual);
+    printf("\"status\":\"%s\"", out->status);
+    for (int j = 0; j < EDML_JOINTS && lifted; j++)
+        printf("%s[%.6g,%.6g,%.6g]", j == 0 ? ",\"joints\":[" : ",",
+               (double)out->pose.joint[j].x, (double)out->pose.joint[j].y,
+               (double)out->pose.joint[j].z);
+    if (lifted)
+        printf("],\"mirror_margin\":%.6g,\"residual\":%.6g", (double)out->pose.mirror_margin,
+               (double)out->pose.residual);
+    else
+        fputs(",\"joints\":null,\"mirror_margin\":null,\"residual\":null", stdout);
+    if (places(set)) write_placement(out, lifted);
+    puts("}");
 }
 
 const line_format jsonl = {65536, read_jsonl, write_jsonl};

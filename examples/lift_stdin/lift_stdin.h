@@ -18,11 +18,25 @@ typedef struct {
     const edml_format *format; /* NULL: the joints of edml_lift() themselves */
     float threshold;           /* a confidence up to this is none */
     float width, height;       /* pixels, for a format that counts in shares of the image */
+    float focal;               /* pixels; 0: not given */
+    edml_camera camera;        /* fx 0: none */
+    int sweep;                 /* look for the focal length */
     int header, json, fixed;
 } options;
 
+/* What comes of a line. */
+typedef struct {
+    const char *status;        /* with any but "ok" there is nothing more */
+    edml_pose pose;            /* turned as it was placed, if it was */
+    const char *placed;        /* with any but "ok" there is nothing more */
+    edml_point root;           /* mid-hip before the camera, metres */
+    float reprojection, focal; /* pixels */
+} answer;
+
 /* Ends the program after an option that only prints, or that is wrong. */
 options read_options(char **argv);
+
+static inline int places(const options *set) { return set->camera.fx > 0 || set->sweep; }
 
 /* Keypoints on a line. */
 static inline int keypoints_of(const options *set)
@@ -36,18 +50,21 @@ static inline const char *name_of(const options *set)
 }
 
 /* One kind of line.  `read` fills the keypoints and returns NULL, or what is wrong with the line;
- * `write` answers the line, which is NULL if it was bad, with a status and, if that is ok, a pose. */
+ * `write` answers the line, which is NULL if it was bad. */
 typedef struct {
     int longest; /* bytes of a line */
     const char *(*read)(edml_keypoint in[], const char *line, const options *set);
-    void (*write)(const char *line, const char *status, const edml_pose *pose);
+    void (*write)(const char *line, const answer *out, const options *set);
 } line_format;
 
 extern const line_format csv, jsonl;
-void print_csv_header(void);
+void print_csv_header(const options *set);
 
-/* Lifts in whole numbers; a coordinate that they cannot hold is not finite. */
-edml_status lift_fixed(edml_pose *pose, const edml_keypoint in[], const options *set);
+/* Lifts and places in whole numbers; a coordinate that they cannot hold is not finite. */
+edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set);
+
+/* Takes a placement, or none, for the answer. */
+void take_placement(answer *out, edml_status status, const edml_placement *placement, float focal);
 
 /* A detection: x, y and perhaps c. */
 edml_keypoint keypoint_of(const float *numbers, int count, float threshold);

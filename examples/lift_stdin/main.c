@@ -37,7 +37,33 @@ edml_keypoint keypoint_of(const float *numbers, int count, float threshold)
     return keypoint;
 }
 
-static edml_status lift(edml_pose *pose, edml_keypoint in[], const options *set)
+void take_placement(answer *out, edml_status status, const edml_placement *placement, float focal)
+{
+    out->placed = edml_status_name(status);
+    if (status != EDML_OK) return;
+    out->root = placement->translation;
+    out->reprojection = placement->reprojection;
+    out->focal = focal;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        out->pose.joint[j].x = placement->joint[j].x - out->root.x;
+        out->pose.joint[j].y = placement->joint[j].y - out->root.y;
+        out->pose.joint[j].z = placement->joint[j].z - out->root.z;
+    }
+}
+
+static void place(answer *out, const edml_keypoint joints[EDML_JOINTS], const options *set,
+                  edml_work *work)
+{
+    edml_placement placement;
+    edml_camera camera = set->camera;
+    const edml_status status =
+        set->sweep ? edml_place_sweep(&placement, &camera, &out->pose, joints, set->width,
+                                      set->height, work)
+                   : edml_place(&placement, &out->pose, joints, &camera, work);
+    take_placement(out, status, &placement, camera.fx);
+}
+
+static edml_status lift(answer *out, edml_keypoint in[], const options *set)
 {
     edml_keypoint joints[EDML_JOINTS];
     edml_work work;
@@ -46,10 +72,12 @@ static edml_status lift(edml_pose *pose, edml_keypoint in[], const options *set)
         in[n].x *= set->width;
         in[n].y *= set->height;
     }
-    if (set->fixed) return lift_fixed(pose, in, set);
-    if (set->format == NULL) return edml_lift(pose, in, set->model, &work);
-    edml_adapt(joints, in, set->format);
-    return edml_lift(pose, joints, set->model, &work);
+    if (set->fixed) return lift_fixed(out, in, set);
+    if (set->format != NULL) edml_adapt(joints, in, set->format);
+    const edml_keypoint *seen = set->format != NULL ? joints : in;
+    const edml_status status = edml_lift(&out->pose, seen, set->model, &work);
+    if (status == EDML_OK && places(set)) place(out, seen, set, &work);
+    return status;
 }
 
 /* Lifts one line; returns NULL or what is wrong with it.  Counts refused poses. */
@@ -57,12 +85,13 @@ static const char *lift_line(const line_format *lines, const char *line, const o
                              unsigned long *refused)
 {
     edml_keypoint in[KEYPOINTS_MAX];
-    edml_pose pose;
+    answer out;
     const char *wrong = lines->read(in, line, set);
     if (wrong != NULL) return wrong;
-    const edml_status status = lift(&pose, in, set);
+    const edml_status status = lift(&out, in, set);
     if (status != EDML_OK) ++*refused;
-    lines->write(line, edml_status_name(status), status == EDML_OK ? &pose : NULL);
+    out.status = edml_status_name(status);
+    lines->write(line, &out, set);
     return NULL;
 }
 
@@ -71,6 +100,7 @@ static unsigned long lift_lines(const line_format *lines, const options *set)
 {
     static char buffer[LINE_MAX_BYTES + 1];
     static char too_long[32];
+    static const answer bad_line = {.status = "bad_line"};
     unsigned long number = 0, refused = 0, bad = 0;
     size_t length = 0;
     line_result result;
@@ -85,7 +115,7 @@ static unsigned long lift_lines(const line_format *lines, const options *set)
                                                        : lift_line(lines, line, set, &refused);
         if (wrong != NULL) {
             fprintf(stderr, "lift_stdin: line %lu: %s\n", number, wrong);
-            lines->write(NULL, "bad_line", NULL);
+            lines->write(NULL, &bad_line, set);
             bad++;
         }
         fflush(stdout);
@@ -103,7 +133,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "lift_stdin: model %s is damaged\n", edml_model_name(set.model));
         return EXIT_TROUBLE;
     }
-    if (set.header) print_csv_header();
+    if (set.header) print_csv_header(&set);
     const unsigned long bad = lift_lines(set.json ? &jsonl : &csv, &set);
     if (ferror(stdin)) return fputs("lift_stdin: cannot read input\n", stderr), EXIT_TROUBLE;
     if (ferror(stdout)) return fputs("lift_stdin: cannot write output\n", stderr), EXIT_TROUBLE;

@@ -25,7 +25,15 @@ static const char usage[] =
     "other than ok and empty fields; a line that is not a pose has the status bad_line.\n"
     "\n"
     "  --format NAME   keypoints of a detector, such as coco17; --list-formats has all\n"
-    "  --image W,H     size of the image in pixels, for blazepose33, which counts in shares of it\n"
+    "  --image W,H     size of the image in pixels, for --focal and for blazepose33, which counts in\n"
+    "                  shares of it\n"
+    "  --camera FX,FY,CX,CY\n"
+    "                  place each pose before this camera (pixels): fields placement (ok, or why not),\n"
+    "                  root_x, root_y, root_z (mid-hip, metres from the camera), reprojection (RMS,\n"
+    "                  pixels) and focal follow; the joints are about the root and turned as placed;\n"
+    "                  with --json, members \"placement\", \"root\":[x,y,z], \"reprojection\", \"focal\"\n"
+    "  --focal F       the same with this focal length and the middle of the image; --focal sweep\n"
+    "                  looks for the one that fits best: distances are then a guess\n"
     "  --json          lines of JSON: objects with \"keypoints\":[[x,y,c],...], where a keypoint may be\n"
     "                  [x,y], null or [null,null]; each comes out with all its members and \"status\",\n"
     "                  \"joints\":[[x,y,z],...], \"mirror_margin\" and \"residual\"\n"
@@ -115,6 +123,39 @@ static void set_image(options *set, const char *text)
     exit(EXIT_TROUBLE);
 }
 
+/* Numbers separated by commas, as many as wanted; 0 if the text is anything else. */
+static int read_list(float *numbers, int count, const char *text)
+{
+    for (int n = 0; n < count; n++) {
+        char *end;
+        numbers[n] = strtof(text, &end);
+        if (end == text || *end != (n + 1 < count ? ',' : '\0')) return 0;
+        if (!(numbers[n] > -1e6F && numbers[n] < 1e6F)) return 0;
+        text = end + 1;
+    }
+    return 1;
+}
+
+static void set_camera(options *set, const char *text)
+{
+    float n[4];
+    const int read = read_list(n, 4, text);
+    if (!read || !(n[0] > 0 && n[1] > 0)) {
+        fprintf(stderr, "lift_stdin: --camera must be FX,FY,CX,CY in pixels, not '%s'\n", text);
+        exit(EXIT_TROUBLE);
+    }
+    const edml_camera camera = {n[0], n[1], n[2], n[3]};
+    set->camera = camera;
+}
+
+static void set_focal(options *set, const char *text)
+{
+    set->sweep = strcmp(text, "sweep") == 0;
+    if (set->sweep || (read_list(&set->focal, 1, text) && set->focal > 0)) return;
+    fprintf(stderr, "lift_stdin: --focal must be a number of pixels or 'sweep', not '%s'\n", text);
+    exit(EXIT_TROUBLE);
+}
+
 /* An option with a value; 0 if it is none. */
 static int set_value(options *set, char **argv, int *i)
 {
@@ -126,6 +167,8 @@ static int set_value(options *set, char **argv, int *i)
         {"--format", set_format},
         {"--threshold", set_threshold},
         {"--image", set_image},
+        {"--camera", set_camera},
+        {"--focal", set_focal},
     };
     for (unsigned n = 0; n < sizeof settings / sizeof *settings; n++) {
         const char *value = option_value(settings[n].name, argv, i);
@@ -153,9 +196,20 @@ static void print_and_exit(const char *option)
     exit(EXIT_OK);
 }
 
+/* The camera of a focal length and an image. */
+static void finish_camera(options *set)
+{
+    if (set->focal == 0 && !set->sweep) return;
+    if (set->camera.fx > 0) refuse("--camera has a focal length; --focal is for want of it");
+    if (set->width == 0) refuse("--focal needs the size of the image: --image WIDTH,HEIGHT");
+    if (set->sweep) return;
+    const edml_camera camera = {set->focal, set->focal, set->width / 2, set->height / 2};
+    set->camera = camera;
+}
+
 options read_options(char **argv)
 {
-    options set = {NULL, NULL, 0, 0, 0, 0, 0, 0};
+    options set = {NULL, NULL, 0, 0, 0, 0, {0, 0, 0, 0}, 0, 0, 0, 0};
     for (int i = 1; argv[i] != NULL; i++) {
         if (set_value(&set, argv, &i)) continue;
         print_and_exit(argv[i]);
@@ -176,7 +230,9 @@ options read_options(char **argv)
     const int shares = set.format != NULL && set.format->shares;
     if (shares && set.width == 0)
         refuse("this format counts in shares of the image: say its size with --image WIDTH,HEIGHT");
-    if (!shares && set.width != 0) refuse("--image is for formats in shares of the image");
+    finish_camera(&set);
+    if (!shares && set.focal == 0 && !set.sweep && set.width != 0)
+        refuse("--image is for --focal, and for formats in shares of the image");
     if (set.json && set.header) refuse("--header is not for --json");
     return set;
 }

@@ -9,7 +9,7 @@ from builds import need, run_firmware
 from firmware import INCLUDES, ROOT, SOURCES, TARGETS, library_flags, run
 
 PROGRAM = ROOT / "tests" / "bits.c"
-EXPECTED = (ROOT / "tests" / "bits.txt").read_text()  # of gcc -O0 on x86-64; by make_weights
+EXPECTED = (ROOT / "tests" / "bits.txt").read_text()  # of gcc -O0 on x86-64; by make_tables
 
 
 def test_most_poses_are_lifted_and_some_are_not() -> None:

@@ -375,7 +375,7 @@ def test_unknown_model_lists_the_known(model: str):
 def test_help_names_every_option():
     result = run("", "--help")
     assert (result.returncode, result.stderr) == (0, b"")
-    options = "--format --image --json --fixed --model --threshold --header"
+    options = "--format --image --json --camera --focal --fixed --model --threshold --header"
     for word in (*options.split(), "--list-formats", "--list-models", "--version", "bad_line"):
         assert word in result.stdout.decode()
     assert max(map(len, result.stdout.decode().splitlines())) <= 100
@@ -788,3 +788,124 @@ def test_fixed_point_says_which_networks_it_takes() -> None:
     assert result.stderr == (
         b"lift_stdin: --fixed takes a quantised network, fconn_q15 or fconn_q7, not fconn_f32\n"
     )
+
+
+# ---- The camera ----------------------------------------------------------------------------------
+
+PLACED = ["placement", "root_x", "root_y", "root_z", "reprojection", "focal"]
+CAMERA = (1145.0, 1145.0, 500.0, 500.0)
+
+
+def place(data: str, *options: str) -> list[list[str]]:
+    """Rows with the fields of --camera or --focal."""
+    result = run(data, *options)
+    assert result.returncode == 0
+    table = [line.split(",") for line in result.stdout.decode("ascii").splitlines()]
+    assert all(len(row) == COLUMNS + len(PLACED) for row in table)
+    return table
+
+
+def check_placements(table: list[list[str]], placed: edmlift.Placements, atol: float) -> None:
+    """Roots, reprojections and focal lengths are the library's; joints are about the root."""
+    assert [row[COLUMNS] for row in table] == list(placed.status)
+    found = np.array([row[COLUMNS + 1 :] for row in table], float)
+    np.testing.assert_allclose(found[:, :3], placed.translation, rtol=1e-5, atol=atol)
+    np.testing.assert_allclose(found[:, 3], placed.reprojection, rtol=1e-5, atol=10 * atol)
+    np.testing.assert_allclose(found[:, 4], placed.focal, rtol=1e-5)
+    joints = np.array([row[1:43] for row in table], float).reshape(-1, 14, 3) + found[:, None, :3]
+    np.testing.assert_allclose(joints, placed.joints, rtol=1e-5, atol=2 * atol)
+
+
+@pytest.fixture(scope="module")
+def library() -> edmlift.Library:
+    return edmlift.Library()
+
+
+@pytest.mark.parametrize("option", ["--camera=1145,1145,500,500", "--focal=1145"])
+def test_poses_are_placed_as_by_the_library(library: edmlift.Library, option: str) -> None:
+    image = ["--image", "1000,1000"] if "focal" in option else []
+    table = place("\n".join(map(text, WALK)), option, *image)
+    check_placements(table, library.place(library.lift(WALK).joints, WALK, CAMERA), 1e-5)
+
+
+def test_the_focal_length_is_swept_for(library: edmlift.Library) -> None:
+    table = place("\n".join(map(text, WALK)), "--focal", "sweep", "--image", "1000,1000")
+    lifted = library.lift(WALK).joints
+    check_placements(table, library.place_sweep(lifted, WALK, (1000, 1000)), 1e-5)
+
+
+def test_fixed_point_places_nearly_there() -> None:
+    options = "--model", "fconn_q15", "--camera", "1145,1145,500,500"
+    lines = "\n".join(map(text, WALK))
+    plain, fixed = place(lines, *options), place(lines, *options, "--fixed")
+    for a, b in zip(plain, fixed, strict=True):
+        assert a[COLUMNS] == b[COLUMNS] == "ok"
+        np.testing.assert_allclose(numbers(b[:COLUMNS]), numbers(a[:COLUMNS]), atol=0.01)
+        np.testing.assert_allclose(
+            [float(n) for n in b[-5:]], [float(n) for n in a[-5:]], rtol=0.005, atol=0.01
+        )
+    (swept,) = place(GOOD, "--fixed", "--focal", "sweep", "--image", "1000,1000")
+    assert swept[COLUMNS] == "ok" and 500 <= float(swept[-1]) <= 4000
+
+
+def test_what_cannot_be_placed_is_lifted_all_the_same() -> None:
+    lines = "\n".join([GOOD, text(unseen(LEGS)), text(WALK[1])])
+    near, refused, last = place(lines, "--camera", "60,60,500,500")
+    assert near[:COLUMNS] == ANSWER and near[COLUMNS:] == ["camera", *[""] * 5]
+    assert refused[0] == "too_few_joints" and refused[1:] == [""] * (COLUMNS + 5)
+    assert last[0] == "ok"
+
+
+def test_bad_lines_have_as_many_fields() -> None:
+    result = run("x\n", "--camera", "1145,1145,500,500")
+    assert result.stdout == b"bad_line" + b"," * (COLUMNS + 5) + b"\n"
+
+
+def test_the_header_of_placements() -> None:
+    (header,) = place("", "--header", "--camera", "1,1,0,0")
+    assert header[COLUMNS:] == PLACED
+    assert header[:COLUMNS] == lift("", "--header")[0]
+
+
+def test_json_of_placements() -> None:
+    row = place(GOOD, "--camera", "1145,1145,500,500")[0]
+    (found,) = objects(run(as_json(WALK[0]), "--json", "--camera", "1145,1145,500,500"))
+    assert found["placement"] == "ok" and found["joints"] == answer(row[:COLUMNS])["joints"]
+    values = [*found["root"], found["reprojection"], found["focal"]]
+    assert values == [float(field) for field in row[COLUMNS + 1 :]]
+    (none,) = objects(run(as_json(WALK[0]), "--json", "--camera", "60,60,500,500"))
+    assert none["placement"] == "camera" and none["joints"] is not None
+    assert none["root"] is none["reprojection"] is none["focal"] is None
+    (bad,) = objects(run("[]", "--json", "--camera", "60,60,500,500"))
+    assert bad["status"] == "bad_line" and bad["placement"] is bad["root"] is None
+
+
+def test_json_members_of_a_placement_are_the_answers_only_with_a_camera() -> None:
+    line = as_json(WALK[0], root=3)
+    assert objects(run(line, "--json"))[0]["root"] == 3
+    assert run(line, "--json", "--camera", "1145,1145,500,500").returncode == 1
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--camera", "1145,1145,500"],
+        ["--camera", "1145,1145,500,500,0"],
+        ["--camera", "0,1145,500,500"],
+        ["--camera", "1145,-1,500,500"],
+        ["--camera", "nan,1145,500,500"],
+        ["--camera", "a"],
+        ["--camera", ""],
+        ["--focal", "0", "--image", "640,480"],
+        ["--focal", "inf", "--image", "640,480"],
+        ["--focal", "swept", "--image", "640,480"],
+        ["--focal", "sweep"],
+        ["--focal", "500"],
+        ["--camera", "1,1,0,0", "--focal", "sweep", "--image", "640,480"],
+        ["--camera", "1,1,0,0", "--image", "640,480"],
+    ],
+)
+def test_bad_camera(options: list[str]) -> None:
+    result = run(GOOD, *options)
+    assert (result.returncode, result.stdout) == (2, b"")
+    assert options[0].encode() in result.stderr or b"--focal" in result.stderr

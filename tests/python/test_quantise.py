@@ -91,7 +91,7 @@ def export(folder: Path, form: str, **changes: object) -> tuple[int, Path]:
 
 def parsed(text: str) -> dict[str, tuple[str, list[int]]]:
     """The arrays of a header: name -> C type, values."""
-    pattern = r"static const (\w+_t) (\w+)\[([\d *]+)\] = \{(.*?)\};"
+    pattern = r"static const (\w+_t)(?: EDML_IN_WORDS)? (\w+)\[([\d *]+)\] = \{(.*?)\};"
     arrays = {}
     for kind, name, size, body in re.findall(pattern, text, re.DOTALL):
         values = [int(word) for word in body.replace("\n", " ").split(",") if word.strip()]
