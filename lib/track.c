@@ -18,7 +18,7 @@ enum { FEWEST_SEEN = EDML_JOINTS / 2 };
 #define IMAGE_CUTOFF 2.0F /* Hz */
 #define IMAGE_SLOPE 4.0F  /* Hz per size of the body a second */
 #define SPACE_CUTOFF 1.0F
-#define SPACE_SLOPE 3.5F /* Hz per m/s */
+#define SPACE_SLOPE 2.5F /* Hz per m/s */
 #define RATE_CUTOFF 4.0F /* Hz */
 
 /* Log-odds of twins, see turns_over(). */

@@ -3,7 +3,7 @@
     evaluate_video.py MOTION [--fps 30] [--model fconn_f32] [--update docs/video.md --name NAME]
 
 MOTION is an .npz of tools/mocap.py, whose clips are the frames that follow one another within
-0.2 s, or a folder, read at --fps frames a second.  A clip is seen by one fixed camera, exactly
+0.2 s, or a folder, read at --fps frames a second.  A clip is seen by four fixed cameras, exactly
 (gt) and by an imitated detector: noisy; also with joints that come and go (missing); with right
 and left exchanged now and then (exchanged); with both.  Each frame is lifted by itself, and by
 edml_track_lift().  A figure is the mean over subjects of the means of their frames.
@@ -27,6 +27,7 @@ from skeleton import BONES, MIRROR, indices, mid_hip
 
 LONGEST_STEP = 0.2  # seconds between frames of a clip
 SHORTEST = 15  # frames of a clip
+CAMERAS = 4
 
 # The imitated detector: half of the variance of its noise is new in every frame, half is slow.
 SLOW = 0.5  # seconds, the time constant of the slow half
@@ -55,7 +56,7 @@ class Clip:
 
 
 def cut(motion: Motion, rng: np.random.Generator) -> list[Clip]:
-    """The clips of a motion, each before a camera of its own."""
+    """The clips of a motion, each before CAMERAS of its own."""
     order = np.lexsort((motion.frame, motion.trial, motion.subject))
     motion = motion.take(order)
     step = np.diff(motion.frame) / AMC_FPS
@@ -66,8 +67,9 @@ def cut(motion: Motion, rng: np.random.Generator) -> list[Clip]:
         if len(which) < SHORTEST:
             continue
         time = np.round(1000 * motion.frame[which] / AMC_FPS).astype(int)
-        truth = watch(motion.joints[which].astype(float), rng)
-        clips.append(Clip(truth, time, int(motion.subject[which[0]])))
+        for _ in range(CAMERAS):
+            truth = watch(motion.joints[which].astype(float), rng)
+            clips.append(Clip(truth, time, int(motion.subject[which[0]])))
     return clips
 
 
@@ -214,10 +216,10 @@ ROWS = {
     "axes": "camera axes, no alignment, mm",
     "jitter": "jitter, mm",
     "lag": "lag, frames",
-    "mirror": "mirror right, % of frames",
+    "mirror": "mirror right, %",
     "length": "bone length, mm",
     "spread": "its spread over a clip, mm",
-    "refused": "refused, % of frames",
+    "refused": "refused, %",
 }
 COUNTS = {"found": "exchanges found", "missed": "exchanges missed", "false": "false exchanges"}
 
@@ -269,10 +271,10 @@ def markdown(figures: dict[str, dict], clips: list[Clip]) -> str:
             rows[f"{title}: {way}"] = [float(column[way][key]) for column in columns]
     for key, title in COUNTS.items():
         rows[title] = [column[key] for column in columns]
-    people = len({clip.subject for clip in clips})
+    people, frames = len({clip.subject for clip in clips}), sum(len(c.time) for c in clips)
     said = (
-        f"{len(clips)} clips of {people} people, {sum(len(clip.time) for clip in clips)} frames, "
-        f"whose true jitter is {true_jitter(clips):.1f} mm.\n"
+        f"{len(clips)} views, {CAMERAS} a clip, people: {people}, frames: {frames}; "
+        f"their true jitter is {true_jitter(clips):.1f} mm.\n"
     )
     return table("", list(figures), rows) + "\n" + said
 

@@ -161,6 +161,11 @@ def test_a_program_that_lifts_has_nothing_of_the_adapters(tmp_path: Path) -> Non
     assert names & (adapters | {"edml_adapt_q16"}) == set()
 
 
+def test_a_program_that_lifts_has_nothing_of_the_track(tmp_path: Path) -> None:
+    names = linked_names(ROOT / "examples" / "lift.c", tmp_path)
+    assert "edml_lift" in names and names & {"edml_track_start", "edml_track_lift"} == set()
+
+
 def test_a_program_that_adapts_one_format_has_no_other(tmp_path: Path) -> None:
     program = tmp_path / "adapting.c"
     program.write_text(ADAPTING, "utf-8")
