@@ -395,48 +395,52 @@ def draw_sheet(
     truth: np.ndarray | None = None,
     title: str | None = None,
     frames: Sequence[int] | None = None,
+    names: Sequence[str] | None = None,
 ) -> None:
     """Writes a contact sheet, a column a frame; without `frames`, six evenly spread.
+
+    `names` stand above the columns, else "frame" and its number.
 
     keypoints [F,14,3] pixels and confidence; poses, truth [F,14,3] metres, camera axes; status [F]
     names.  The extension of path (.png, .svg, .pdf) is the format.
     """
     frames = spread(len(poses), COLUMNS) if frames is None else frames
+    names = [f"frame {frame}" for frame in frames] if names is None else names
     scene = _scene(*(_pick(v, frames) for v in (keypoints, poses, status, truth)), steady=False)
     if len(frames) == 1:
         figure, panels = _strip(scene, title)
         _draw_strip(panels, scene, 0)
     else:
-        figure = _columns(scene, frames, title)
+        figure = _columns(scene, names, title)
     figure.savefig(path, dpi=DPI)
 
 
-def _columns(scene: Scene, frames: Sequence[int], title: str | None) -> Figure:
+def _columns(scene: Scene, names: Sequence[str], title: str | None) -> Figure:
     """The contact sheet: 2D input above the pose from the camera and from the side."""
     left = 0.5  # room for the names of the rows
-    wide = min(2.4, (SHEET_WIDE - left) / len(frames) - GAP)
+    wide = min(2.4, (SHEET_WIDE - left) / len(names) - GAP)
     high = wide / _aspect(scene.window)
-    figure, top = _figure(left + len(frames) * (wide + GAP), 3 * high + 2 * GAP, title, scene)
+    figure, top = _figure(left + len(names) * (wide + GAP), 3 * high + 2 * GAP, title, scene)
     inches = figure.get_size_inches()
-    for row, name in enumerate(("2D input", *VIEWS)):
+    for row, view in enumerate(("2D input", *VIEWS)):
         y = top + row * (high + GAP)
         figure.text(
             0.3 / inches[0],
             1 - (y + high / 2) / inches[1],
-            name,
+            view,
             rotation=90,
             ha="center",
             va="center",
             fontsize=11,
             color=TEXT,
         )
-        for column, frame in enumerate(frames):
+        for column, name in enumerate(names):
             ax = _add_axes(figure, left + column * (wide + GAP), y, wide, high)
             if row == 0:
                 draw_image(ax, scene, column)
-                ax.set_title(f"frame {frame}", fontsize=10, color=FAINT, pad=5)
+                ax.set_title(name, fontsize=10, color=FAINT, pad=5)
             else:
-                draw_pose(ax, scene, column, VIEWS[name])
+                draw_pose(ax, scene, column, VIEWS[view])
     return figure
 
 

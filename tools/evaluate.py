@@ -1,7 +1,8 @@
-"""Accuracy of a model on motion capture, through the C library: Markdown and JSON.
+"""Accuracy of a model on motion capture, through the C library: Markdown, JSON and plots.
 
-    evaluate.py TEST.npz [--model fconn] [--out build/report] [--quick]
-    evaluate.py TEST.npz --manifest gen/fconn.json --update README.md
+    evaluate.py TEST.npz [--train TRAIN.npz] [--model fconn] [--out build/report] [--quick]
+    evaluate.py TEST.npz --train TRAIN.npz --manifest gen/fconn.json
+                --update README.md docs/accuracy.md --plots docs/accuracy
 
 All figures are of the float network; what the quantised ones and fixed point lose against it has a
 table of its own.
@@ -10,6 +11,8 @@ Poses are seen by virtual cameras with a fixed seed (tools/cameras.py), exact, n
 detector, and with joints missing.  The error of a pose is the mean distance of its 14 joints from
 the truth after rigid alignment without scale; a figure is the mean over subjects of their means.
 Poses that the library refuses are counted, and left out of the means.
+
+With --train, rows of rivals that are made of the training people (tools/rivals.py) stand beside.
 """
 
 import argparse
@@ -17,13 +20,16 @@ import json
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from tqdm import tqdm
 
 import cameras
 import marks
-from edmlift import Library
+import plots
+import rivals
+from edmlift import Library, Poses
 from mirror import rigid_errors
 from mocap import MocapError, Motion, load_motion
 from skeleton import JOINTS, LIMBS, mid_hip
@@ -33,6 +39,18 @@ SEED = 20170714
 NOISE = {"n5": 5.0, "n10": 10.0, "n15": 15.0, "n20": 20.0}  # pixels
 PCK = 0.150  # metres: a joint within this counts as found
 RESAMPLES = 1000  # of the subjects, for the confidence interval
+EXAMPLES = "cpm"  # the column of which poses are drawn
+
+# The paper's own errors of its FConv: Human3.6M, protocol 3.  Other people, cameras and training.
+PAPER = {"gt": 62.2, "n5": 67.1, "n10": 79.1, "n15": 96.1, "n20": 115.6, "cpm": 76.5}
+PAPER |= {"rand2": 106.8, "left_arm": 109.4, "right_leg": 100.2}
+RIVALS = {"mean pose": rivals.MeanPose, "nearest neighbour": rivals.NearestNeighbour}
+
+
+class Lifter(Protocol):
+    """The library, or a rival."""
+
+    def lift(self, keypoints: np.ndarray) -> Poses: ...
 
 
 @dataclass(frozen=True)
@@ -93,7 +111,7 @@ def by_subject(values: np.ndarray, subject: np.ndarray) -> np.ndarray:
     return np.array([np.nanmean(values[subject == s]) for s in np.unique(subject)])
 
 
-def measure(library: Library, column: Column, subject: np.ndarray) -> dict:
+def measure(library: Lifter, column: Column, subject: np.ndarray) -> dict:
     """All figures of a column, mm unless said otherwise."""
     poses = library.lift(column.keypoints)
     fine = poses.status == "ok"
@@ -132,10 +150,20 @@ def bootstrap(means: np.ndarray) -> list[float]:
     return np.percentile(draws, [2.5, 97.5]).tolist()
 
 
-def evaluate(library: Library, motion: Motion) -> dict:
+def evaluate(library: Lifter, motion: Motion) -> dict:
     """Figures of every column: {column: {figure: value}}."""
     bar = tqdm(views(motion.joints).items(), desc="evaluate", disable=None)
     return {name: measure(library, column, motion.subject) for name, column in bar}
+
+
+def examples(library: Lifter, motion: Motion) -> dict[str, np.ndarray]:
+    """What plots.draw_examples() takes: the poses of a column that are lifted."""
+    column = views(motion.joints)[EXAMPLES]
+    poses = library.lift(column.keypoints)
+    fine = poses.status == "ok"
+    joints, truth = poses.joints[fine].astype(float), column.truth[fine]
+    error = 1000 * rigid_errors(joints, truth).mean(1)
+    return {"keypoints": column.keypoints[fine], "poses": joints, "truth": truth, "error": error}
 
 
 # The other forms of a model: its suffix, and whether all is in fixed point.
@@ -248,6 +276,14 @@ def markdown(figures: dict) -> str:
     return table("mm", list(figures), rows) + "\n" + table("joint, mm", list(figures), joints)
 
 
+def rivals_markdown(figures: dict, others: dict) -> str:
+    """Errors of the library, of the rivals, and the paper's own."""
+    rows = {"edmlift": figures} | others
+    cells = {title: [row[name]["error"] for name in figures] for title, row in rows.items()}
+    cells["the paper's FConv, on other data"] = [PAPER.get(name) for name in figures]
+    return table("error, mm", list(figures), cells)
+
+
 def table(corner: str, columns: list[str], rows: dict[str, list]) -> str:
     lines = [f"| {corner} | " + " | ".join(columns) + " |", "|---" + "|--:" * len(columns) + "|"]
     lines += [f"| {title} | " + " | ".join(map(cell, row)) + " |" for title, row in rows.items()]
@@ -276,19 +312,28 @@ def rounded(value):
     return value if isinstance(value, int) else round(float(value), 3)
 
 
-def main() -> int:
+def options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
+    parser.add_argument("--train", type=Path, help="motion of other people, for the rivals")
     parser.add_argument("--model", default="fconn", help="its name without _f32 (%(default)s)")
-    parser.add_argument("--out", type=Path, help="folder for accuracy.md and accuracy.json")
+    parser.add_argument("--out", type=Path, help="folder for accuracy.md, accuracy.json and plots")
+    parser.add_argument("--plots", type=Path, help="folder for the plots alone")
     parser.add_argument("--manifest", type=Path, help="JSON of the model: note the errors there")
-    parser.add_argument("--update", type=Path, help="Markdown file with marks for the table")
+    parser.add_argument(
+        "--update", type=Path, nargs="+", default=[], help="Markdown files with marks for tables"
+    )
     parser.add_argument("--quick", action="store_true", help="every 20th pose")
-    args = parser.parse_args()
+    return parser.parse_args()
+
+
+def main() -> int:
+    args = options()
     try:
         motion, library = load_motion(args.motion), Library(f"{args.model}_f32")
+        train = load_motion(args.train) if args.train else None
     except (MocapError, OSError, ValueError) as error:
         print(f"evaluate: {error}", file=sys.stderr)
         return 1
@@ -296,19 +341,30 @@ def main() -> int:
         motion = motion.take(np.arange(0, len(motion.joints), 20))
     figures = rounded(evaluate(library, motion))
     forms = rounded(evaluate_forms(args.model, motion))
-    text, forms_text = markdown(figures), forms_markdown(figures, forms)
-    print(text, forms_text, sep="\n", end="")
+    others = {n: rounded(evaluate(rival(train), motion)) for n, rival in RIVALS.items() if train}
+    means, joints = markdown(figures).split("\n\n")
+    tables = {"accuracy": means, "joints": joints, "forms": forms_markdown(figures, forms)}
+    if others:
+        tables["rivals"] = rivals_markdown(figures, others)
+    print("\n\n".join(text.strip("\n") for text in tables.values()))
+    for folder in filter(None, (args.out, args.plots)):
+        folder.mkdir(parents=True, exist_ok=True)
+        plots.write_all(folder, figures, others, PAPER, examples(library, motion))
     if args.out:
-        args.out.mkdir(parents=True, exist_ok=True)
-        (args.out / "accuracy.md").write_text(text + "\n" + forms_text)
-        report = json.dumps({"float": figures, **forms}, indent=2)
-        (args.out / "accuracy.json").write_text(report + "\n")
+        write_report(args.out, tables, {"float": figures, **forms, **others})
     if args.manifest:
         note_errors(args.manifest, figures, forms)
-    if args.update:
-        marks.write(args.update, "accuracy", text.partition("\n\n")[0])
-        marks.write(args.update, "forms", forms_text)
+    for page in args.update:
+        marks.write_those(page, tables)
     return 0
+
+
+def write_report(folder: Path, tables: dict[str, str], figures: dict) -> None:
+    """accuracy.md, with the plots, and accuracy.json."""
+    pictures = "\n\n".join(f"![{name}]({name}.png)" for name in plots.NAMES)
+    text = "\n\n".join(table.strip("\n") for table in tables.values())
+    (folder / "accuracy.md").write_text(f"{text}\n\n{pictures}\n")
+    (folder / "accuracy.json").write_text(json.dumps(figures, indent=2) + "\n")
 
 
 if __name__ == "__main__":

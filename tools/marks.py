@@ -16,6 +16,15 @@ def write(path: Path, name: str, table: str) -> None:
     path.write_text(text[: match.start(1)] + table.strip("\n") + "\n" + text[match.end(1) :])
 
 
+def write_those(path: Path, tables: dict[str, str]) -> None:
+    """Writes the tables, by name, for which the file has marks; ValueError if it has none."""
+    names = [name for name in tables if f"<!-- begin {name} -->" in path.read_text()]
+    if not names:
+        raise ValueError(f"{path}: no <!-- begin NAME --> with NAME of {', '.join(tables)}")
+    for name in names:
+        write(path, name, tables[name])
+
+
 def _find(path: Path, name: str) -> re.Match:
     match = re.search(f"<!-- begin {name} -->\n(.*?)<!-- end {name} -->", path.read_text(), re.S)
     if not match:

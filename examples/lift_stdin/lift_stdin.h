@@ -21,6 +21,7 @@ typedef struct {
     float focal;               /* pixels; 0: not given */
     edml_camera camera;        /* fx 0: none */
     int sweep;                 /* look for the focal length */
+    float fps;                 /* of the video that the lines are; 0: they are none */
     int header, json, fixed;
 } options;
 

@@ -63,7 +63,22 @@ static void place(answer *out, const edml_keypoint joints[EDML_JOINTS], const op
     take_placement(out, status, &placement, camera.fx);
 }
 
-static edml_status lift(answer *out, edml_keypoint in[], const options *set)
+/* The lines that are a video, so far. */
+typedef struct {
+    edml_track track;
+    unsigned long frame;
+} video;
+
+static edml_status lift_frame(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], video *before,
+                              const options *set, edml_work *work)
+{
+    if (!(set->fps > 0)) return edml_lift(pose, in, set->model, work);
+    const double time_ms = floor(1000.0 * (double)before->frame / (double)set->fps);
+    const uint32_t time = (uint32_t)fmod(time_ms, 4294967296.0);
+    return edml_track_lift(pose, &before->track, in, time, set->model, work);
+}
+
+static edml_status lift(answer *out, edml_keypoint in[], video *before, const options *set)
 {
     edml_keypoint joints[EDML_JOINTS];
     edml_work work;
@@ -75,20 +90,20 @@ static edml_status lift(answer *out, edml_keypoint in[], const options *set)
     if (set->fixed) return lift_fixed(out, in, set);
     if (set->format != NULL) edml_adapt(joints, in, set->format);
     const edml_keypoint *seen = set->format != NULL ? joints : in;
-    const edml_status status = edml_lift(&out->pose, seen, set->model, &work);
+    const edml_status status = lift_frame(&out->pose, seen, before, set, &work);
     if (status == EDML_OK && places(set)) place(out, seen, set, &work);
     return status;
 }
 
 /* Lifts one line; returns NULL or what is wrong with it.  Counts refused poses. */
-static const char *lift_line(const line_format *lines, const char *line, const options *set,
-                             unsigned long *refused)
+static const char *lift_line(const line_format *lines, const char *line, video *before,
+                             const options *set, unsigned long *refused)
 {
     edml_keypoint in[KEYPOINTS_MAX];
     answer out;
     const char *wrong = lines->read(in, line, set);
     if (wrong != NULL) return wrong;
-    const edml_status status = lift(&out, in, set);
+    const edml_status status = lift(&out, in, before, set);
     if (status != EDML_OK) ++*refused;
     out.status = edml_status_name(status);
     lines->write(line, &out, set);
@@ -104,6 +119,9 @@ static unsigned long lift_lines(const line_format *lines, const options *set)
     unsigned long number = 0, refused = 0, bad = 0;
     size_t length = 0;
     line_result result;
+    video before;
+    edml_track_start(&before.track);
+    before.frame = 0;
     snprintf(too_long, sizeof too_long, "longer than %d bytes", lines->longest);
     while (!ferror(stdout) &&
            (result = read_line(buffer, (size_t)lines->longest, &length)) != LINE_END) {
@@ -112,7 +130,8 @@ static unsigned long lift_lines(const line_format *lines, const options *set)
         if (*line == '#' || line == buffer + length) continue;
         const char *wrong = result == LINE_TOO_LONG    ? too_long
                             : strlen(buffer) != length ? "holds a zero byte"
-                                                       : lift_line(lines, line, set, &refused);
+                                                       : lift_line(lines, line, &before, set, &refused);
+        before.frame++;
         if (wrong != NULL) {
             fprintf(stderr, "lift_stdin: line %lu: %s\n", number, wrong);
             lines->write(NULL, &bad_line, set);

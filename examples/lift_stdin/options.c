@@ -37,6 +37,8 @@ static const char usage[] =
     "  --json          lines of JSON: objects with \"keypoints\":[[x,y,c],...], where a keypoint may be\n"
     "                  [x,y], null or [null,null]; each comes out with all its members and \"status\",\n"
     "                  \"joints\":[[x,y,z],...], \"mirror_margin\" and \"residual\"\n"
+    "  --track FPS     the lines are a video of one person, so many frames a second: steady its motion;\n"
+    "                  a line that is not a pose is a frame without one\n"
     "  --model NAME    network to use (default: the first of --list-models; with --fixed fconn_q15)\n"
     "  --fixed         lift in fixed point, as on a core without an FPU; coordinates must be within\n"
     "                  8192 pixels\n"
@@ -156,6 +158,13 @@ static void set_focal(options *set, const char *text)
     exit(EXIT_TROUBLE);
 }
 
+static void set_track(options *set, const char *text)
+{
+    if (read_list(&set->fps, 1, text) && set->fps >= 1 && set->fps <= 1000) return;
+    fprintf(stderr, "lift_stdin: --track must be 1 to 1000 frames a second, not '%s'\n", text);
+    exit(EXIT_TROUBLE);
+}
+
 /* An option with a value; 0 if it is none. */
 static int set_value(options *set, char **argv, int *i)
 {
@@ -169,6 +178,7 @@ static int set_value(options *set, char **argv, int *i)
         {"--image", set_image},
         {"--camera", set_camera},
         {"--focal", set_focal},
+        {"--track", set_track},
     };
     for (unsigned n = 0; n < sizeof settings / sizeof *settings; n++) {
         const char *value = option_value(settings[n].name, argv, i);
@@ -209,7 +219,7 @@ static void finish_camera(options *set)
 
 options read_options(char **argv)
 {
-    options set = {NULL, NULL, 0, 0, 0, 0, {0, 0, 0, 0}, 0, 0, 0, 0};
+    options set = {NULL, NULL, 0, 0, 0, 0, {0, 0, 0, 0}, 0, 0, 0, 0, 0};
     for (int i = 1; argv[i] != NULL; i++) {
         if (set_value(&set, argv, &i)) continue;
         print_and_exit(argv[i]);
@@ -233,6 +243,7 @@ options read_options(char **argv)
     finish_camera(&set);
     if (!shares && set.focal == 0 && !set.sweep && set.width != 0)
         refuse("--image is for --focal, and for formats in shares of the image");
+    if (set.fixed && set.fps > 0) refuse("--track is in float, not for --fixed");
     if (set.json && set.header) refuse("--header is not for --json");
     return set;
 }

@@ -22,6 +22,7 @@ from mocap import load_motion
 
 DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 README = ROOT / "README.md"
+ACCURACY = ROOT / "docs" / "accuracy.md"
 
 
 @pytest.mark.parametrize("form", ["f32", "q15", "q7"])
@@ -50,13 +51,28 @@ def forms(people):
 
 
 def test_the_accuracy_is_the_readmes(figures, forms):
-    table = evaluate.markdown(figures).partition("\n\n")[0]
+    table, joints = evaluate.markdown(figures).split("\n\n")
     assert marks.read(README, "accuracy").strip() == table
+    assert marks.read(ACCURACY, "joints") == joints
     assert marks.read(README, "forms") == evaluate.forms_markdown(figures, forms)
     manifest = json.loads((ROOT / "gen" / "fconn.json").read_text())
     assert manifest["metrics"] == evaluate.noted(figures)
     for form in ("q15", "q7"):
         assert manifest[f"metrics_{form}"] == evaluate.noted(forms[form])
+
+
+def test_the_library_beats_the_rivals_of_the_table(people, figures):
+    if not (DATA / "cmu14_train.npz").exists():
+        pytest.skip("needs the training people")
+    train = load_motion(DATA / "cmu14_train.npz")
+    others = {
+        name: evaluate.rounded(evaluate.evaluate(rival(train), people))
+        for name, rival in evaluate.RIVALS.items()
+    }
+    assert marks.read(ACCURACY, "rivals") == evaluate.rivals_markdown(figures, others)
+    for column in figures:
+        best = min(rival[column]["error"] for rival in others.values())
+        assert figures[column]["error"] < best, column
 
 
 @pytest.mark.parametrize(
@@ -155,6 +171,10 @@ def test_a_table_replaces_what_is_between_its_marks(tmp_path):
     assert marks.read(page, "t") == "| new |\n"
     with pytest.raises(ValueError, match="begin u"):
         marks.read(page, "u")
+    marks.write_those(page, {"u": "| other |", "t": "| newer |"})
+    assert marks.read(page, "t") == "| newer |\n" and "other" not in page.read_text()
+    with pytest.raises(ValueError, match="NAME of u, v"):
+        marks.write_those(page, {"u": "", "v": ""})
 
 
 def test_python_is_tidy():

@@ -141,3 +141,12 @@ def test_what_a_form_loses_is_told_from_the_float_lift(truth):
 
 def test_small_differences_have_no_sign():
     assert evaluate.signed(-0.004) == "0.00" and evaluate.signed(-0.006) == "-0.01"
+
+
+def test_rivals_stand_beside_the_paper(truth):
+    mine = {"gt": figures(truth, truth), "close": figures(truth, truth)}
+    rival = {name: figures(truth * 1.1, truth) for name in mine}
+    text = evaluate.rivals_markdown(mine, {"nearest": rival})
+    assert "| edmlift | 0.0 | 0.0 |" in text
+    assert f"| nearest | {rival['gt']['error']:.1f} |" in text
+    assert text.splitlines()[-1] == "| the paper's FConv, on other data | 62.2 |  |"

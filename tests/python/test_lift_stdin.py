@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import edmlift
+from skeleton import MIRROR
 
 ROOT = Path(__file__).resolve().parents[2]
 HEADER = (ROOT / "include" / "edmlift.h").read_text()
@@ -909,3 +910,38 @@ def test_bad_camera(options: list[str]) -> None:
     result = run(GOOD, *options)
     assert (result.returncode, result.stdout) == (2, b"")
     assert options[0].encode() in result.stderr or b"--focal" in result.stderr
+
+
+# Video
+
+
+def test_track_is_the_librarys():
+    keypoints = WALK.copy()
+    keypoints[10] = keypoints[10, MIRROR]
+    table = rows(run("\n".join(text(pose) for pose in keypoints), "--track", "30"))
+    times = np.arange(len(WALK)) * 1000 // 30
+    tracked = edmlift.Library().track().lift(keypoints, times)
+    joints = np.array([numbers(row)[:42] for row in table]).reshape(-1, 14, 3)
+    np.testing.assert_allclose(joints, tracked.joints, rtol=1e-5, atol=1e-5)
+    assert np.abs(joints - edmlift.Library().lift(keypoints).joints).max() > 0.05
+
+
+def test_a_bad_line_is_a_frame_of_the_track():
+    lines = [text(pose) for pose in WALK[:6]]
+    lines[3] = "nonsense"
+    table = rows(run("# c\n\n" + "\n".join(lines), "--track=10"))
+    tracked = edmlift.Library().track().lift(WALK[[0, 1, 2, 4, 5]], [0, 100, 200, 400, 500])
+    assert statuses(table) == ["ok"] * 3 + ["bad_line"] + ["ok"] * 2
+    joints = np.array([numbers(row)[:42] for row in table if row[0] == "ok"]).reshape(-1, 14, 3)
+    np.testing.assert_allclose(joints, tracked.joints, rtol=1e-5, atol=1e-5)
+
+
+@pytest.mark.parametrize("value", ["0", "-1", "x", "", "1001", "nan", "30,1"])
+def test_bad_track(value: str):
+    result = run(GOOD, "--track", value)
+    assert result.returncode == 2 and b"--track" in result.stderr and result.stdout == b""
+
+
+def test_track_is_not_in_fixed_point():
+    result = run(GOOD, "--track", "30", "--fixed")
+    assert result.returncode == 2 and b"--fixed" in result.stderr

@@ -1,0 +1,124 @@
+"""Plots of tools/evaluate.py, small PNG files whose bytes depend on nothing but the figures."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from PIL import Image
+
+from draw import COLOURS, FAINT, TEXT, draw_sheet
+from skeleton import JOINTS, mid_hip
+
+DPI = 110
+NAMES = ("errors", "joints", "noise", "examples")
+LIBRARY, OTHER = COLOURS["left"], COLOURS["right"]
+# Example poses: the best, the worst, and what share of the poses has a smaller error.
+SHARES = {"best": 0.0, "25 %": 0.25, "median": 0.5, "75 %": 0.75, "95 %": 0.95, "worst": 1.0}
+
+
+def write_all(
+    folder: Path, figures: dict, rivals: dict, paper: dict[str, float], examples: dict
+) -> None:
+    """Writes the four plots: errors.png, joints.png, noise.png and examples.png.
+
+    figures: as from evaluate.evaluate(); rivals: {title: the same}; paper: {column: mm};
+    examples: as from evaluate.examples().
+    """
+    save(errors(figures, rivals), folder / "errors.png")
+    save(by_joint(figures), folder / "joints.png")
+    save(noise(figures, rivals, paper), folder / "noise.png")
+    draw_examples(folder / "examples.png", **examples)
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Writes a PNG with a palette, without the version of the plotting library."""
+    data = io.BytesIO()
+    figure.savefig(data, format="png", dpi=DPI, metadata={"Software": None})
+    shrink(data, path)
+
+
+def shrink(source: io.BytesIO | Path, path: Path) -> None:
+    """Writes a picture with a palette of 64 colours."""
+    with Image.open(source) as picture:
+        flat = picture.convert("RGB").quantize(64, dither=Image.Dither.NONE)
+    flat.save(path, optimize=True)
+
+
+def _axes(title: str, wide: float = 8.0) -> tuple[Figure, Axes]:
+    figure = Figure(figsize=(wide, 3.6), layout="constrained")
+    ax = figure.add_subplot()
+    ax.set_title(title, loc="left", color=TEXT, fontsize=11)
+    ax.set_ylabel("error, mm", color=TEXT)
+    ax.grid(axis="y", color="#E3E6EA")
+    ax.set_axisbelow(True)
+    ax.spines[["top", "right"]].set_visible(False)
+    return figure, ax
+
+
+def errors(figures: dict, rivals: dict) -> Figure:
+    """Error by condition, with the 95 % intervals."""
+    figure, ax = _axes("Error by condition, and its 95 % interval over people")
+    at = np.arange(len(figures))
+    error = np.array([column["error"] for column in figures.values()])
+    low, high = np.array([column["interval"] for column in figures.values()]).T
+    ax.bar(at, error, color=LIBRARY, width=0.6, label="edmlift")
+    ax.errorbar(at, error, [error - low, high - error], fmt="none", ecolor=TEXT, capsize=3)
+    top = high.max()
+    for marker, (title, rival) in zip("s^Dv", rivals.items(), strict=False):
+        values = [rival[name]["error"] for name in figures]
+        ax.plot(at, values, marker, color=FAINT, ms=5, label=title)
+        top = max(top, *values)
+    ax.set_xticks(at, list(figures), rotation=30, ha="right")
+    ax.set_ylim(0, 1.2 * top)  # room for the legend
+    ax.legend(frameon=False, ncols=3, loc="upper left", fontsize=9)
+    return figure
+
+
+def by_joint(figures: dict) -> Figure:
+    """Error by joint, exact and as a detector sees."""
+    figure, ax = _axes("Error by joint")
+    at = np.arange(len(JOINTS))
+    for shift, name, colour in ((-0.2, "gt", LIBRARY), (0.2, "cpm", OTHER)):
+        joints = figures[name]["by_joint"]
+        ax.bar(at + shift, [joints[j] for j in JOINTS], 0.38, color=colour, label=name)
+    ax.set_xticks(at, [j.replace("_", " ") for j in JOINTS], rotation=40, ha="right")
+    ax.legend(frameon=False, ncols=2, loc="upper left", fontsize=9)
+    ax.margins(y=0.2)
+    return figure
+
+
+def noise(figures: dict, rivals: dict, paper: dict[str, float]) -> Figure:
+    """Error against noise on each coordinate, beside the paper's."""
+    figure, ax = _axes("Error against noise", wide=6.0)
+    columns = {"gt": 0, "n5": 5, "n10": 10, "n15": 15, "n20": 20}
+    sigma = list(columns.values())
+    error = np.array([figures[name]["error"] for name in columns])
+    low, high = np.array([figures[name]["interval"] for name in columns]).T
+    ax.fill_between(sigma, low, high, color=LIBRARY, alpha=0.15, lw=0)
+    ax.plot(sigma, error, "o-", color=LIBRARY, label="edmlift")
+    for line, (title, rival) in zip((":", "-."), rivals.items(), strict=False):
+        ax.plot(sigma, [rival[n]["error"] for n in columns], line, color=FAINT, label=title)
+    label = "the paper's FConv, on other data"
+    ax.plot(sigma, [paper[name] for name in columns], "s--", color=OTHER, label=label)
+    ax.set_xticks(sigma)
+    ax.set_xlabel("noise on each coordinate, pixels", color=TEXT)
+    ax.set_ylim(bottom=0)
+    ax.legend(frameon=False, fontsize=9)
+    return figure
+
+
+def draw_examples(
+    path: Path, keypoints: np.ndarray, poses: np.ndarray, truth: np.ndarray, error: np.ndarray
+) -> None:
+    """Poses at the SHARES of the errors [F] in mm, the truth dashed.
+
+    keypoints [F,14,3], poses [F,14,3] metres about mid-hip, truth [F,14,3] metres in camera axes.
+    """
+    order = error.argsort(kind="stable")
+    frames = [int(order[round(share * (len(order) - 1))]) for share in SHARES.values()]
+    names = [f"{n}: {error[f]:.0f} mm" for n, f in zip(SHARES, frames, strict=True)]
+    rooted = truth - mid_hip(truth)[:, None]
+    draw_sheet(keypoints, poses, ["ok"] * len(poses), path, rooted, frames=frames, names=names)
+    shrink(path, path)
