@@ -149,9 +149,9 @@ static int resize_poses(void)
         edml_keypoint in[EDML_JOINTS];
         edml_pose pose;
         edml_point stood[EDML_JOINTS];
-        edml_person owner = {1.0F + 0.75F * draw_float(), {0}};
+        edml_person owner = {1.5F + 0.75F * draw_float(), {0}};
         const edml_point up = {draw_float(), draw_float(), draw_float()};
-        if (n % 3 == 0) owner.bone[draw(EDML_BONES)] = 0.25F + 0.125F * draw_float();
+        if (n % 3 == 0) owner.bone[draw(EDML_BONES)] = 0.3F + 0.0625F * draw_float();
         hard_pose(in, n);
         if (edml_lift(&pose, in, &edml_fconn_f32, &work) != EDML_OK) continue;
         const float quality = edml_quality(&pose, in);
@@ -172,9 +172,9 @@ static int resize_poses_q24(void)
         edml_keypoint_q16 in[EDML_JOINTS];
         edml_pose_q16 pose;
         edml_point_q16 stood[EDML_JOINTS];
-        edml_person_q16 owner = {16384 + 64 * draw(2049), {0}};
+        edml_person_q16 owner = {49152 + 48 * draw(2049), {0}};
         const edml_point_q16 up = {draw(2049) - 1024, draw(2049) - 1024, draw(2049) - 1024};
-        if (n % 3 == 0) owner.bone[draw(EDML_BONES)] = 8192 + 8 * draw(2049);
+        if (n % 3 == 0) owner.bone[draw(EDML_BONES)] = 16384 + 4 * draw(2049);
         hard_pose_q16(in, n);
         if (edml_lift_q24(&pose, in, &edml_fconn_q15, &work_q24) != EDML_OK) continue;
         const int32_t quality = edml_quality_q24(&pose, in);
