@@ -51,7 +51,19 @@ def views(joints: np.ndarray, seed: int = SEED) -> dict[str, Column]:
     """The columns of the protocol, and two with exact 2D of other cameras: rolled and close."""
     rng = np.random.default_rng(seed)
     truth = cameras.look(joints, rng)
-    exact = cameras.project(truth)
+    columns = conditions(truth, cameras.project(truth), rng)
+    for name, rig in STRESS.items():
+        other = cameras.look(joints, rng, rig)
+        whole = np.ones(other.shape[:2], bool)
+        columns[name] = Column(cameras.keypoints(cameras.project(other)), whole, other)
+    return columns
+
+
+def conditions(truth: np.ndarray, exact: np.ndarray, rng: np.random.Generator) -> dict[str, Column]:
+    """Views of poses, exact, noisy, as by a detector and with joints missing.
+
+    truth [F,14,3] camera axes, metres; exact [F,14,2], where a camera sees it, pixels.
+    """
     whole = np.ones(exact.shape[:2], bool)
     points = {"gt": (exact, whole)}
     for name, sigma in NOISE.items():
@@ -60,13 +72,7 @@ def views(joints: np.ndarray, seed: int = SEED) -> dict[str, Column]:
     points["rand2"] = (exact, cameras.hide_random(len(exact), 2, rng))
     for limb in LIMBS:
         points[limb] = (exact, cameras.hide_limb(len(exact), limb))
-    columns = {
-        n: Column(cameras.keypoints(p, seen), seen, truth) for n, (p, seen) in points.items()
-    }
-    for name, rig in STRESS.items():
-        other = cameras.look(joints, rng, rig)
-        columns[name] = Column(cameras.keypoints(cameras.project(other)), whole, other)
-    return columns
+    return {n: Column(cameras.keypoints(p, seen), seen, truth) for n, (p, seen) in points.items()}
 
 
 def scaled_errors(points: np.ndarray, truth: np.ndarray) -> np.ndarray:
