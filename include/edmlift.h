@@ -88,7 +88,8 @@ typedef struct {
     X(EDML_ERR_MODEL, -6, "model")                   /* the model's data do not match its checksum, or are floats \
                                                         where whole numbers are wanted */     \
     X(EDML_ERR_CAMERA, -7, "camera")                 /* not a camera, or one that cannot have seen that */ \
-    X(EDML_ERR_TIME, -8, "time")                     /* a frame that is not later than the last one */
+    X(EDML_ERR_TIME, -8, "time")                     /* a frame that is not later than the last one */ \
+    X(EDML_ERR_PERSON, -9, "person")                 /* no one's height and bones, or not one person's */
 
 #define EDML_STATUS_ENUM(name, value, text) name = value,
 typedef enum { EDML_STATUSES(EDML_STATUS_ENUM) } edml_status;
@@ -252,6 +253,46 @@ edml_status edml_track_lift(edml_pose *pose, edml_track *track,
                             const edml_keypoint in[EDML_JOINTS], uint32_t time_ms,
                             const edml_model *model, edml_work *work);
 
+/* ---- What is known of the person ----------------------------------------------------------- */
+
+typedef struct {
+    float height;           /* metres, standing, barefoot, 0.5 to 2.5; 0: unknown */
+    float bone[EDML_BONES]; /* metres, in the order of edml_bones; 0: unknown */
+} edml_person;
+
+/* Gives a lifted pose its owner's size, in place.  Known bones get their length and keep their
+ * direction.  Those that are unknown are scaled by one factor: that which gives the way from head top
+ * to ankle its share of the height or, without one, that of the known bones' sum.  Mid-hip stays the
+ * origin; mirror_margin and residual stay those of the lift.  Quality comes before, placement after.
+ * docs/person.md has what it gives.
+ *   EDML_ERR_PERSON      measures that no one has, or not one person: negative, NaN, beyond the range,
+ *                        or bones that stand for heights that differ by more than a factor of 1.6
+ *   EDML_ERR_NOT_FINITE  a joint of the pose is not within 4 m
+ *   EDML_ERR_DEGENERATE  the pose would be more than twice as large, or an eighth, or has a bone of no
+ *                        length where one is known */
+edml_status edml_fit_person(edml_pose *pose, const edml_person *person);
+
+/* The chance, 0 to 1, that a pose has a mean joint error under 100 mm (rigid alignment, no scale), as
+ * far as can be told from its mirror margin, its residual, the image of `in` from which it was lifted,
+ * its bones and the number of joints seen.  0 of what no lift returns.  docs/person.md has how true
+ * that is. */
+float edml_quality(const edml_pose *pose, const edml_keypoint in[EDML_JOINTS]);
+
+/* Mean error in millimetres of each joint after rigid alignment, given which joints were seen: of
+ * training people, with a detector's noise.  Learned with the shipped networks; for either pipeline.
+ *   seen  as in the pose; fewer than 10 are EDML_ERR_TOO_FEW_JOINTS, as in the lift */
+edml_status edml_uncertainty(uint8_t millimetres[EDML_JOINTS], uint16_t seen);
+
+/* Stands a pose on the floor.
+ *   out  [14] metres: y upwards from the floor, on which the lower ankle's foot stands; x right and z
+ *        towards the camera, along the floor, from mid-hip.  A camera that rolls or pitches turns them
+ *        by the smallest rotation
+ *   up   where upwards is, in the camera's axes, of any length: an accelerometer at rest, with its axes
+ *        turned to the camera's, or {0, -1, 0} if the camera is assumed level
+ * EDML_ERR_DEGENERATE of a zero vector.  Someone who jumps, lies or sits is put on the lower ankle all
+ * the same. */
+edml_status edml_floor(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_point up);
+
 /* ---- Lift in fixed point ------------------------------------------------------------------ */
 
 /* The same without one float instruction, the same bits on every processor: for cores without an
@@ -303,6 +344,16 @@ edml_status edml_place_sweep_q24(edml_placement_q16 *placement, edml_camera_q16 
                                  const edml_pose_q16 *pose,
                                  const edml_keypoint_q16 in[EDML_JOINTS], int32_t width,
                                  int32_t height, edml_work_q24 *work);
+
+/* The same on whole numbers, quality in Q16.  `up` may be in any unit, each component within 2^29. */
+typedef struct {
+    int32_t height, bone[EDML_BONES]; /* metres, Q16 */
+} edml_person_q16;
+
+edml_status edml_fit_person_q24(edml_pose_q16 *pose, const edml_person_q16 *person);
+int32_t edml_quality_q24(const edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS]);
+edml_status edml_floor_q24(edml_point_q16 out[EDML_JOINTS], const edml_pose_q16 *pose,
+                           edml_point_q16 up);
 
 /* ---- The stages, in the order in which data flow ------------------------------------------ */
 

@@ -6,6 +6,7 @@
 
 #include "seen.inc"
 #include "vector.inc"
+#include "pose.inc"
 
 #include "rotation.inc"
 

@@ -12,7 +12,7 @@
  *   EPSILON       what rounding may leave of a zero, absolutely; a float's rounding is relative
  *   FINITE        is a coordinate a number and in range?
  *   EXACT_TO      coordinates are rounded like ones of this magnitude, or more coarsely
- *   RESULT GIVEN  a real as the pose holds it, and back
+ *   RESULT GIVEN  a real as the pose holds it (reported), and back
  *   RUNS          can this arithmetic run that model?
  *
  * The ranges in the stages' comments are what fixed point relies on.
@@ -37,11 +37,16 @@ typedef edml_rotation_f32 rotation;
 typedef edml_camera camera;
 typedef edml_placement placement;
 typedef edml_point placed_point;
+typedef edml_person person;
+typedef float reported;
 
 #define NAME(x) x##_f32
 #define edml_lift_f32 edml_lift /* the public names of the float pipeline have no suffix */
 #define edml_place_f32 edml_place
 #define edml_place_sweep_f32 edml_place_sweep
+#define edml_fit_person_f32 edml_fit_person
+#define edml_floor_f32 edml_floor
+#define edml_quality_f32 edml_quality
 
 #define REAL(constant) constant##F
 #define SETTING(number) (number).f32

@@ -23,6 +23,8 @@ typedef edml_rotation_q24 rotation;
 typedef edml_camera_q16 camera;
 typedef edml_placement_q16 placement;
 typedef edml_point_q16 placed_point;
+typedef edml_person_q16 person;
+typedef int32_t reported; /* Q16 */
 
 #define NAME(x) x##_q24
 

@@ -141,6 +141,53 @@ static int place_poses_q24(void)
     return placed;
 }
 
+/* What was lifted of hard poses: its quality, on the floor, and of people of many sizes. */
+static int resize_poses(void)
+{
+    int resized = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint in[EDML_JOINTS];
+        edml_pose pose;
+        edml_point stood[EDML_JOINTS];
+        edml_person owner = {1.5F + 0.75F * draw_float(), {0}};
+        const edml_point up = {draw_float(), draw_float(), draw_float()};
+        if (n % 3 == 0) owner.bone[draw(EDML_BONES)] = 0.3F + 0.0625F * draw_float();
+        hard_pose(in, n);
+        if (edml_lift(&pose, in, &edml_fconn_f32, &work) != EDML_OK) continue;
+        const float quality = edml_quality(&pose, in);
+        add_bytes(&quality, sizeof quality);
+        if (edml_floor(stood, &pose, up) == EDML_OK) add_bytes(stood, sizeof stood);
+        const int8_t status = (int8_t)edml_fit_person(&pose, &owner);
+        add_bytes(&status, sizeof status);
+        add_bytes(pose.joint, sizeof pose.joint);
+        resized += status == EDML_OK;
+    }
+    return resized;
+}
+
+static int resize_poses_q24(void)
+{
+    int resized = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint_q16 in[EDML_JOINTS];
+        edml_pose_q16 pose;
+        edml_point_q16 stood[EDML_JOINTS];
+        edml_person_q16 owner = {49152 + 48 * draw(2049), {0}};
+        const edml_point_q16 up = {draw(2049) - 1024, draw(2049) - 1024, draw(2049) - 1024};
+        if (n % 3 == 0) owner.bone[draw(EDML_BONES)] = 16384 + 4 * draw(2049);
+        hard_pose_q16(in, n);
+        if (edml_lift_q24(&pose, in, &edml_fconn_q15, &work_q24) != EDML_OK) continue;
+        const int32_t quality = edml_quality_q24(&pose, in);
+        add_bytes(&quality, sizeof quality);
+        if (edml_floor_q24(stood, &pose, up) == EDML_OK) add_bytes(stood, sizeof stood);
+        const int8_t status = (int8_t)edml_fit_person_q24(&pose, &owner);
+        add_bytes(&status, sizeof status);
+        add_bytes(pose.joint, sizeof pose.joint);
+        resized += status == EDML_OK;
+    }
+    return resized;
+}
+
 /* Entries of both signs, of one size. */
 static void decompose_matrices(void)
 {
@@ -230,5 +277,9 @@ int main(void)
     report("float f32", place_poses(), "placed");
     start();
     report("fixed q15", place_poses_q24(), "placed");
+    start();
+    report("float f32", resize_poses(), "resized");
+    start();
+    report("fixed q15", resize_poses_q24(), "resized");
     return 0;
 }

@@ -53,6 +53,8 @@ void pose_to_q16(edml_pose_q16 *out, const edml_pose *pose)
         out->joint[j].y = q16(pose->joint[j].y);
         out->joint[j].z = q16(pose->joint[j].z);
     }
+    out->mirror_margin = q16(pose->mirror_margin);
+    out->residual = q16(pose->residual);
 }
 
 edml_camera_q16 camera_to_q16(edml_camera camera)
@@ -215,5 +217,40 @@ edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, cons
     from_placement_q16(placement, &placed);
     const edml_camera by = {from_q16(found.fx), from_q16(found.fy), from_q16(found.cx), from_q16(found.cy)};
     *camera = by;
+    return status;
+}
+
+edml_status q24_fit_person(edml_pose *pose, const edml_person *owner)
+{
+    edml_pose_q16 fitted;
+    edml_person_q16 known;
+    if (pose != NULL) pose_to_q16(&fitted, pose);
+    if (owner != NULL) known.height = q16(owner->height);
+    for (int n = 0; n < EDML_BONES && owner != NULL; n++) known.bone[n] = q16(owner->bone[n]);
+    const edml_status status =
+        edml_fit_person_q24(pose != NULL ? &fitted : NULL, owner != NULL ? &known : NULL);
+    if (status != EDML_OK) return status;
+    for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j] = point_from_q16(fitted.joint[j]);
+    return status;
+}
+
+float q24_quality(const edml_pose *pose, const edml_keypoint in[EDML_JOINTS])
+{
+    edml_pose_q16 given;
+    if (pose != NULL) pose_to_q16(&given, pose);
+    if (in != NULL) to_q16(keypoints, in);
+    return from_q16(edml_quality_q24(pose != NULL ? &given : NULL, in != NULL ? keypoints : NULL));
+}
+
+edml_status q24_floor(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_point up)
+{
+    edml_pose_q16 given;
+    edml_point_q16 stood[EDML_JOINTS];
+    const edml_point_q16 upwards = {q16(up.x), q16(up.y), q16(up.z)};
+    if (pose != NULL) pose_to_q16(&given, pose);
+    const edml_status status =
+        edml_floor_q24(out != NULL ? stood : NULL, pose != NULL ? &given : NULL, upwards);
+    if (status != EDML_OK) return status;
+    for (int j = 0; j < EDML_JOINTS; j++) out[j] = point_from_q16(stood[j]);
     return status;
 }

@@ -37,6 +37,10 @@ edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, cons
                             const edml_keypoint in[EDML_JOINTS], float width, float height,
                             edml_work *work);
 
+edml_status q24_fit_person(edml_pose *pose, const edml_person *owner);
+float q24_quality(const edml_pose *pose, const edml_keypoint in[EDML_JOINTS]);
+edml_status q24_floor(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_point up);
+
 #ifdef EDML_TEST_Q24
 #define edml_edm_f32 q24_edm
 #define edml_net_f32 q24_net
@@ -50,6 +54,9 @@ edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, cons
 #define edml_adapt q24_adapt
 #define edml_place q24_place
 #define edml_place_sweep q24_place_sweep
+#define edml_fit_person q24_fit_person
+#define edml_quality q24_quality
+#define edml_floor q24_floor
 #define edml_fconn_f32 edml_fconn_q15
 #endif
 

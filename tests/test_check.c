@@ -262,6 +262,60 @@ static void placements_of_noise(void)
     }
 }
 
+/* ---- Poses of a person, their quality, and on the floor ----------------------------------------------- */
+
+static void with_poses_both(const edml_pose_q16 *pose, const edml_person_q16 *owner,
+                            edml_point_q16 up)
+{
+    check_tally taken;
+    edml_pose_q16 expected = *pose, found = *pose;
+    edml_point_q16 stood[EDML_JOINTS], other[EDML_JOINTS];
+    TEST_ASSERT_EQUAL_INT(edml_fit_person_q24(&expected, owner),
+                          check_fit_person(&found, owner, &taken));
+    TEST_ASSERT_SAME_BYTES(expected, found);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    TEST_ASSERT_EQUAL_INT(edml_quality_q24(pose, in), check_quality(pose, in, &taken));
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    memset(stood, 0, sizeof stood);
+    memset(other, 0, sizeof other);
+    TEST_ASSERT_EQUAL_INT(edml_floor_q24(stood, pose, up), check_floor(other, pose, up, &taken));
+    TEST_ASSERT_SAME_BYTES(stood, other);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+}
+
+/* Joints anywhere within reach, or at its ends; measures of people, or anything; upwards of any bits. */
+static void poses_of_any_size(void)
+{
+    rng r = rng_seed(88);
+    for (int n = 0; n < 20000; n++) {
+        edml_pose pose;
+        edml_pose_q16 given;
+        edml_person_q16 owner;
+        memset(&owner, 0, sizeof owner);
+        memset(&pose, 0, sizeof pose);
+        const int shift = (int)(rng_bits(&r) % 20);
+        random_points(&r, pose.joint, n % 3 == 0 ? 4 : magnitude(&r, 0.001F, 4));
+        for (int j = 0; j < EDML_JOINTS && n % 5 == 0; j++)
+            if (rng_bits(&r) % 2) pose.joint[j].y = rng_bits(&r) % 2 ? 3.9999F : -3.9999F;
+        pose_to_q16(&given, &pose);
+        given.mirror_margin = (int32_t)(rng_bits(&r) >> (1 + shift));
+        given.residual = (int32_t)(rng_bits(&r) >> (1 + shift));
+        if (n % 2) owner.height = (int32_t)(65536 * uniform(&r, 0.5F, 2.5F));
+        for (int k = 0; k < EDML_BONES; k++)
+            if (n % 7 < 3 && rng_bits(&r) % 2)
+                owner.bone[k] = (int32_t)(65536 * uniform(&r, 0.1F, 0.5F));
+        if (n % 11 == 0) owner.bone[n % EDML_BONES] = (int32_t)rng_bits(&r) >> shift;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x = (int32_t)rng_bits(&r) >> (2 + shift);
+            in[j].y = (int32_t)rng_bits(&r) >> (2 + shift);
+            in[j].c = rng_bits(&r) % 8 ? 1 : 0;
+        }
+        const edml_point_q16 up = {(int32_t)rng_bits(&r) >> shift, (int32_t)rng_bits(&r) >> shift,
+                                   (int32_t)rng_bits(&r) >> shift};
+        with_poses_both(&given, &owner, up);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -274,5 +328,6 @@ int main(void)
     RUN_TEST(crowds_three_metres_apart);
     RUN_TEST(placements);
     RUN_TEST(placements_of_noise);
+    RUN_TEST(poses_of_any_size);
     return UNITY_END();
 }

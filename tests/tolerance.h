@@ -93,6 +93,19 @@
 #define STEP_TRACE 2e-3F    /* of entries to 3: where two are nearly as good, either may be found */
 #define STEP_ERROR 1e-4F    /* relative: rounding at the minimum */
 
+/* ---- Person, quality, floor ---- */
+#ifndef EDML_TEST_Q24
+#define PERSON_TOLERANCE ROUNDING
+#define PERSON_COSINE 0.999999 /* a bone of 0.1 m, and two joints to 1e-7 */
+#define QUALITY_TOLERANCE 1e-4F /* a misfit of 1e-4 m by rounding, times 24 a metre */
+#define FLOOR_TOLERANCE 1e-5F
+#else /* joints, lengths and upwards rounded to 2^-16, in and out */
+#define PERSON_TOLERANCE 1e-4F
+#define PERSON_COSINE 0.999
+#define QUALITY_TOLERANCE 1e-3F
+#define FLOOR_TOLERANCE 1e-4F
+#endif
+
 /* ---- Lift ---- */
 #define LIFT_TOLERANCE 0.003F /* the tilt above: the person of helpers.c has 2 % in depth */
 #define LIFT_SCALED_TOLERANCE 1e-3F /* input rounded anew: a smooth network makes little of it */

@@ -36,6 +36,7 @@ PLACEMENT = np.dtype(
     ],
     align=True,
 )
+PERSON = np.dtype([("height", np.float32), ("bone", np.float32, 13)])
 # What edml_lift_q24 takes and gives: Q16, confidence Q15.
 KEYPOINT_Q16 = np.dtype([("at", np.int32, 2), ("c", np.int16)], align=True)
 POSE_Q16 = np.dtype(
@@ -76,6 +77,12 @@ class Format(ctypes.Structure):
 
 
 NO_KEYPOINT = 255
+
+
+class Point(ctypes.Structure):
+    """edml_point, for what is passed by value."""
+
+    _fields_ = [(axis, ctypes.c_float) for axis in "xyz"]
 
 
 @dataclass(frozen=True)
@@ -142,6 +149,7 @@ class Library:
             ("edml_refine_f32", ctypes.c_int),
             ("edml_stress_f32", ctypes.c_float),
             ("edml_mirror_f32", ctypes.c_float),
+            ("edml_quality", ctypes.c_float),
         ):
             getattr(self._c, name).restype = result
         self.fixed = fixed
@@ -200,6 +208,47 @@ class Library:
         for one, out in zip(keypoints, joints, strict=True):
             self._c.edml_adapt(_pointer(out), _pointer(one), ctypes.byref(layout))
         return joints
+
+    def fit_person(
+        self, poses: np.ndarray, height: np.ndarray | float = 0, bones: np.ndarray | float = 0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Poses [F,14,3] of the size of people whose height, number or [F], and bones, [13] or
+        [F,13], are known where they are not 0, in metres; and the names of the status [F]."""
+        fitted = np.zeros(len(poses), POSE)
+        fitted["joint"] = poses
+        people = np.zeros(len(poses), PERSON)
+        people["height"], people["bone"] = height, bones
+        status = [
+            self._c.edml_fit_person(_pointer(fitted[i : i + 1]), _pointer(people[i : i + 1]))
+            for i in range(len(poses))
+        ]
+        names = np.array([self.status_name(s) for s in status])
+        return np.where((names == "ok")[:, None, None], fitted["joint"], np.nan), names
+
+    def quality(self, poses: Poses, keypoints: np.ndarray) -> np.ndarray:
+        """Quality [F] of what `lift` returned for keypoints [F,14,3]; NaN where it refused."""
+        given = np.zeros(len(poses.joints), POSE)
+        given["joint"], given["residual"] = poses.joints, poses.residual
+        given["mirror_margin"] = poses.margin
+        keypoints = _f32(keypoints)
+        found = [self._c.edml_quality(*map(_pointer, pair))
+                 for pair in zip(np.split(given, len(given)), keypoints, strict=True)]  # fmt: skip
+        return np.where(poses.status == "ok", found, np.nan)
+
+    def uncertainty(self, seen: np.ndarray) -> np.ndarray:
+        """Mean errors in mm [F,14] of joints given which were seen, [F,14]; NaN: too few."""
+        found = np.zeros(seen.shape, np.uint8)
+        bits = map(ctypes.c_uint16, seen @ (1 << np.arange(14)))
+        pairs = zip(map(_pointer, found), bits, strict=True)
+        status = [self._c.edml_uncertainty(*pair) for pair in pairs]
+        return np.where(np.array(status)[:, None] == 0, found, np.nan)
+
+    def floor(self, pose: np.ndarray, up: tuple[float, float, float]) -> tuple[str, np.ndarray]:
+        """Status name, and the joints [14,3] of a pose, y up from the floor."""
+        out, given = np.full((14, 3), np.nan, np.float32), np.zeros(1, POSE)
+        given["joint"] = pose
+        status = self._c.edml_floor(_pointer(out), _pointer(given), Point(*up))
+        return self.status_name(status), out
 
     def place(
         self, poses: np.ndarray, keypoints: np.ndarray, camera: tuple[float, float, float, float]

@@ -38,6 +38,13 @@ edml_status check_place(edml_placement_q16 *placement, const edml_pose_q16 *pose
                         const edml_keypoint_q16 in[EDML_JOINTS], const edml_camera_q16 *camera,
                         check_tally *tally);
 
+/* edml_fit_person_q24(), edml_quality_q24() and edml_floor_q24(), and what they took. */
+edml_status check_fit_person(edml_pose_q16 *pose, const edml_person_q16 *owner, check_tally *tally);
+int32_t check_quality(const edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS],
+                      check_tally *tally);
+edml_status check_floor(edml_point_q16 out[EDML_JOINTS], const edml_pose_q16 *pose,
+                        edml_point_q16 up, check_tally *tally);
+
 #ifdef __cplusplus
 }
 #endif

@@ -82,6 +82,8 @@ struct rotation {
 };
 
 typedef edml_point_q16 placed_point;
+typedef edml_person_q16 person;
+typedef int32_t reported;
 
 struct camera {
     pixels fx, fy, cx, cy;
