@@ -75,7 +75,10 @@ static edml_status lift(answer *out, edml_keypoint in[], const options *set)
     if (set->fixed) return lift_fixed(out, in, set);
     if (set->format != NULL) edml_adapt(joints, in, set->format);
     const edml_keypoint *seen = set->format != NULL ? joints : in;
-    const edml_status status = edml_lift(&out->pose, seen, set->model, &work);
+    edml_status status = edml_lift(&out->pose, seen, set->model, &work);
+    if (status != EDML_OK) return status;
+    if (set->quality) out->quality = edml_quality(&out->pose, seen);
+    if (set->owner.height > 0) status = edml_fit_person(&out->pose, &set->owner);
     if (status == EDML_OK && places(set)) place(out, seen, set, &work);
     return status;
 }
