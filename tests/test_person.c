@@ -319,6 +319,10 @@ static void what_no_lift_returns_has_no_quality(void)
     average_human();
     for (int j = 0; j < EDML_JOINTS; j++) in[j].x = in[j].y = 7;
     TEST_ASSERT_TRUE(edml_quality(&pose, in) < 0.1F);
+    average_human();
+    in[0].x = 3e38F;
+    in[1].x = -3e38F;
+    TEST_ASSERT_TRUE(edml_quality(&pose, in) < 0.1F);
     TEST_ASSERT_TRUE(edml_quality(NULL, in) == 0 && edml_quality(&pose, NULL) == 0);
 }
 

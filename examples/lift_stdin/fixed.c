@@ -1,5 +1,5 @@
-/* The lift and the placement in fixed point: everything between the numbers read and the numbers printed is done in
- * whole numbers, as on a core without an FPU.
+/* The lift and what follows it in fixed point: everything between the numbers read and the numbers
+ * printed is done in whole numbers, as on a core without an FPU.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -66,7 +66,11 @@ edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set
     for (int n = 0; n < keypoints_of(set); n++) keypoints[n] = to_q16(in[n]);
     if (set->format != NULL) edml_adapt_q16(joints, keypoints, set->format);
     const edml_keypoint_q16 *seen = set->format != NULL ? joints : keypoints;
-    const edml_status status = edml_lift_q24(&lifted, seen, set->model, &work);
+    edml_status status = edml_lift_q24(&lifted, seen, set->model, &work);
+    if (status != EDML_OK) return status;
+    if (set->quality) out->quality = to_float(edml_quality_q24(&lifted, seen));
+    const edml_person_q16 owner = {whole(set->owner.height), {0}};
+    if (set->owner.height > 0) status = edml_fit_person_q24(&lifted, &owner);
     if (status != EDML_OK) return status;
     for (int j = 0; j < EDML_JOINTS; j++) out->pose.joint[j] = point_of(lifted.joint[j]);
     out->pose.mirror_margin = to_float(lifted.mirror_margin);

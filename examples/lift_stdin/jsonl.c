@@ -16,16 +16,22 @@ static int is_named(const char *p, const char *name)
     return strncmp(p + 1, name, length) == 0 && p[1 + length] == '"';
 }
 
+/* Is a member one that the answer has, too? */
+static int is_of_answer(const char *member, const options *set)
+{
+    static const char *const always[] = {"status", "joints", "mirror_margin", "residual"};
+    static const char *const placed[] = {"placement", "root", "reprojection", "focal"};
+    for (int n = 0; n < 4; n++)
+        if (is_named(member, always[n]) || (places(set) && is_named(member, placed[n]))) return 1;
+    return set->quality && is_named(member, "quality");
+}
+
 /* The array of keypoints of the object; NULL with what is wrong. */
 static const char *find_keypoints(const char *object, const char **wrong, const options *set)
 {
-    static const char *const answers[] = {"status",    "joints", "mirror_margin", "residual",
-                                          "placement", "root",   "reprojection",  "focal"};
-    const unsigned count = places(set) ? 8 : 4;
     const char *found = NULL;
     for (const char *p = json_first(object); p != NULL; p = json_next(json_value_of(p))) {
-        for (unsigned n = 0; n < count; n++)
-            if (is_named(p, answers[n])) return *wrong = "has a member of the answer's", NULL;
+        if (is_of_answer(p, set)) return *wrong = "has a member of the answer's", NULL;
         if (!is_named(p, "keypoints")) continue;
         if (found != NULL) return *wrong = "has keypoints twice", NULL;
         found = json_value_of(p);
@@ -107,6 +113,10 @@ static void write_jsonl(const char *line, const answer *out, const options *set)
                (double)out->pose.residual);
     else
         fputs(",\"joints\":null,\"mirror_margin\":null,\"residual\":null", stdout);
+    if (set->quality && lifted)
+        printf(",\"quality\":%.6g", (double)out->quality);
+    else if (set->quality)
+        fputs(",\"quality\":null", stdout);
     if (places(set)) write_placement(out, lifted);
     puts("}");
 }

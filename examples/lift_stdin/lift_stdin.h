@@ -22,6 +22,8 @@ typedef struct {
     edml_camera camera;        /* fx 0: none */
     int sweep;                 /* look for the focal length */
     float fps;                 /* of the video that the lines are; 0: they are none */
+    edml_person owner;         /* height 0: not given */
+    int quality;               /* tell it */
     int header, json, fixed;
 } options;
 
@@ -29,6 +31,7 @@ typedef struct {
 typedef struct {
     const char *status;        /* with any but "ok" there is nothing more */
     edml_pose pose;            /* turned as it was placed, if it was */
+    float quality;
     const char *placed;        /* with any but "ok" there is nothing more */
     edml_point root;           /* mid-hip before the camera, metres */
     float reprojection, focal; /* pixels */
@@ -61,7 +64,7 @@ typedef struct {
 extern const line_format csv, jsonl;
 void print_csv_header(const options *set);
 
-/* Lifts and places in whole numbers; a coordinate that they cannot hold is not finite. */
+/* Lifts, sizes and places in whole numbers; a coordinate that they cannot hold is not finite. */
 edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set);
 
 /* Takes a placement, or none, for the answer. */

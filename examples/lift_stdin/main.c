@@ -90,7 +90,10 @@ static edml_status lift(answer *out, edml_keypoint in[], video *before, const op
     if (set->fixed) return lift_fixed(out, in, set);
     if (set->format != NULL) edml_adapt(joints, in, set->format);
     const edml_keypoint *seen = set->format != NULL ? joints : in;
-    const edml_status status = lift_frame(&out->pose, seen, before, set, &work);
+    edml_status status = lift_frame(&out->pose, seen, before, set, &work);
+    if (status != EDML_OK) return status;
+    if (set->quality) out->quality = edml_quality(&out->pose, seen);
+    if (set->owner.height > 0) status = edml_fit_person(&out->pose, &set->owner);
     if (status == EDML_OK && places(set)) place(out, seen, set, &work);
     return status;
 }

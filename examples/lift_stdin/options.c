@@ -34,6 +34,8 @@ static const char usage[] =
     "                  with --json, members \"placement\", \"root\":[x,y,z], \"reprojection\", \"focal\"\n"
     "  --focal F       the same with this focal length and the middle of the image; --focal sweep\n"
     "                  looks for the one that fits best: distances are then a guess\n"
+    "  --height M      the person's standing height in metres: poses get this size\n"
+    "  --quality       a field quality follows residual: 0 to 1, the chance of a mean error under 100 mm\n"
     "  --json          lines of JSON: objects with \"keypoints\":[[x,y,c],...], where a keypoint may be\n"
     "                  [x,y], null or [null,null]; each comes out with all its members and \"status\",\n"
     "                  \"joints\":[[x,y,z],...], \"mirror_margin\" and \"residual\"\n"
@@ -165,6 +167,16 @@ static void set_track(options *set, const char *text)
     exit(EXIT_TROUBLE);
 }
 
+static void set_height(options *set, const char *text)
+{
+    edml_pose none = {{{0, 0, 0}}, 0, 0, 0}; /* fits no one, whose height is one or not */
+    const int read = read_list(&set->owner.height, 1, text);
+    if (read && set->owner.height > 0 && edml_fit_person(&none, &set->owner) != EDML_ERR_PERSON)
+        return;
+    fprintf(stderr, "lift_stdin: --height must be a person's, in metres, not '%s'\n", text);
+    exit(EXIT_TROUBLE);
+}
+
 /* An option with a value; 0 if it is none. */
 static int set_value(options *set, char **argv, int *i)
 {
@@ -179,6 +191,7 @@ static int set_value(options *set, char **argv, int *i)
         {"--camera", set_camera},
         {"--focal", set_focal},
         {"--track", set_track},
+        {"--height", set_height},
     };
     for (unsigned n = 0; n < sizeof settings / sizeof *settings; n++) {
         const char *value = option_value(settings[n].name, argv, i);
@@ -219,12 +232,14 @@ static void finish_camera(options *set)
 
 options read_options(char **argv)
 {
-    options set = {NULL, NULL, 0, 0, 0, 0, {0, 0, 0, 0}, 0, 0, 0, 0, 0};
+    options set = {.model = NULL};
     for (int i = 1; argv[i] != NULL; i++) {
         if (set_value(&set, argv, &i)) continue;
         print_and_exit(argv[i]);
         if (strcmp(argv[i], "--header") == 0) {
             set.header = 1;
+        } else if (strcmp(argv[i], "--quality") == 0) {
+            set.quality = 1;
         } else if (strcmp(argv[i], "--json") == 0) {
             set.json = 1;
         } else if (strcmp(argv[i], "--fixed") == 0) {

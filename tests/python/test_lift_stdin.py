@@ -377,6 +377,7 @@ def test_help_names_every_option():
     result = run("", "--help")
     assert (result.returncode, result.stderr) == (0, b"")
     options = "--format --image --json --camera --focal --fixed --model --threshold --header"
+    options += " --height --quality"
     for word in (*options.split(), "--list-formats", "--list-models", "--version", "bad_line"):
         assert word in result.stdout.decode()
     assert max(map(len, result.stdout.decode().splitlines())) <= 100
@@ -945,3 +946,64 @@ def test_bad_track(value: str):
 def test_track_is_not_in_fixed_point():
     result = run(GOOD, "--track", "30", "--fixed")
     assert result.returncode == 2 and b"--fixed" in result.stderr
+
+
+# ---- The person ------------------------------------------------------------------------------
+
+
+def person_rows(*options: str) -> list[list[str]]:
+    result = run("\n".join(map(text, WALK)), *options)
+    assert (result.returncode, result.stderr) == (0, b"")
+    return [line.split(",") for line in result.stdout.decode().splitlines()]
+
+
+def joints_of(table: list[list[str]]) -> np.ndarray:
+    return np.array([row[1:43] for row in table], float).reshape(-1, 14, 3)
+
+
+@pytest.mark.parametrize(("fixed", "atol"), [([], 1e-5), (["--fixed"], 1e-2)])
+def test_quality_is_the_librarys_and_follows_residual(fixed: list[str], atol: float):
+    library = edmlift.Library()
+    header, *table = person_rows("--quality", "--header", *fixed)
+    assert header[-2:] == ["residual", "quality"]
+    plain = person_rows(*fixed)
+    assert [row[:-1] for row in table] == plain
+    quality = library.quality(library.lift(WALK), WALK)
+    assert np.allclose([float(row[-1]) for row in table], quality, atol=atol)
+
+
+@pytest.mark.parametrize(("fixed", "atol"), [([], 1e-5), (["--fixed"], 1e-2)])
+def test_a_height_sizes_poses(fixed: list[str], atol: float):
+    library = edmlift.Library()
+    fitted, _ = library.fit_person(library.lift(WALK).joints, height=1.5)
+    assert np.allclose(joints_of(person_rows("--height", "1.5", *fixed)), fitted, atol=atol)
+
+
+def test_a_person_half_as_tall_is_half_as_far():
+    camera = "--camera=1145,1145,500,500"
+    tall, small = (person_rows(camera, f"--height={h}", "--quality") for h in ("1.8", "0.9"))
+    depths = np.array([[float(row[-3]) for row in table] for table in (tall, small)])
+    assert np.allclose(depths[0], 2 * depths[1], rtol=1e-3)
+    assert [row[45] for row in tall] == [row[45] for row in small]  # quality is the lift's
+
+
+def test_quality_of_what_is_refused_is_empty():
+    few, bad = run(text(unseen(LEGS)) + "\nbad\n", "--quality").stdout.decode().splitlines()
+    assert few == "too_few_joints" + 45 * "," and bad == "bad_line" + 45 * ","
+
+
+def test_json_of_quality():
+    line = as_json(WALK[0], quality=3)
+    (bad,) = objects(run(line, "--json", "--quality"))
+    assert bad["status"] == "bad_line" and bad["quality"] is None
+    (passed,) = objects(run(line, "--json"))
+    assert passed["status"] == "ok" and passed["quality"] == 3
+    (found,) = objects(run(as_json(WALK[0]), "--json", "--quality"))
+    assert found["quality"] == float(person_rows("--quality")[0][-1])
+
+
+@pytest.mark.parametrize("height", ["10", "0", "-1.7", "0.4", "170", "nan", "inf", "", "1.7 m"])
+def test_a_height_that_no_one_has(height: str):
+    result = run(GOOD, "--height", height)
+    assert (result.returncode, result.stdout) == (2, b"")
+    assert f"'{height}'" in result.stderr.decode()
