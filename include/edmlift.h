@@ -261,10 +261,10 @@ typedef struct {
 } edml_person;
 
 /* Gives a lifted pose its owner's size, in place.  Known bones get their length and keep their
- * direction.  Those that are unknown are scaled by one factor: that which gives the way from head top
- * to ankle its share of the height or, without one, that of the known bones' sum.  Mid-hip stays the
- * origin; mirror_margin and residual stay those of the lift.  Quality comes before, placement after.
- * docs/person.md has what it gives.
+ * direction.  The others are scaled by one factor, that which gives the way from head top to ankle its
+ * share of the height; without a height they keep theirs.  Mid-hip stays the origin; mirror_margin and
+ * residual stay those of the lift.  Quality comes before, placement after.  docs/person.md has what it
+ * gives.
  *   EDML_ERR_PERSON      measures that no one has, or not one person: negative, NaN, beyond the range,
  *                        or bones that stand for heights that differ by more than a factor of 1.6
  *   EDML_ERR_NOT_FINITE  a joint of the pose is not within 4 m
@@ -274,8 +274,8 @@ edml_status edml_fit_person(edml_pose *pose, const edml_person *person);
 
 /* The chance, 0 to 1, that a pose has a mean joint error under 100 mm (rigid alignment, no scale), as
  * far as can be told from its mirror margin, its residual, the image of `in` from which it was lifted,
- * its bones and the number of joints seen.  0 of what no lift returns.  docs/person.md has how true
- * that is. */
+ * its bones and the number of joints seen.  0 of what no lift returns.  Of single lifts: what
+ * edml_track_lift() smooths is not in its image any more.  docs/person.md has how true it is. */
 float edml_quality(const edml_pose *pose, const edml_keypoint in[EDML_JOINTS]);
 
 /* Mean error in millimetres of each joint after rigid alignment, given which joints were seen: of

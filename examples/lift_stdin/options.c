@@ -259,6 +259,7 @@ options read_options(char **argv)
     if (!shares && set.focal == 0 && !set.sweep && set.width != 0)
         refuse("--image is for --focal, and for formats in shares of the image");
     if (set.fixed && set.fps > 0) refuse("--track is in float, not for --fixed");
+    if (set.quality && set.fps > 0) refuse("--quality is of single lifts, not for --track");
     if (set.json && set.header) refuse("--header is not for --json");
     return set;
 }

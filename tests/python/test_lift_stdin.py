@@ -992,6 +992,11 @@ def test_quality_of_what_is_refused_is_empty():
     assert few == "too_few_joints" + 45 * "," and bad == "bad_line" + 45 * ","
 
 
+def test_quality_is_of_single_lifts():
+    result = run(GOOD, "--quality", "--track", "30")
+    assert result.returncode == 2 and b"--track" in result.stderr
+
+
 def test_json_of_quality():
     line = as_json(WALK[0], quality=3)
     (bad,) = objects(run(line, "--json", "--quality"))
