@@ -8,6 +8,7 @@ folder directly.  A broken file raises `MocapError`, whose message names the fil
 """
 
 import argparse
+import hashlib
 import math
 import re
 import sys
@@ -99,6 +100,11 @@ class Motion:
         """Some of the poses: a mask or indices."""
         arrays = ("joints", "subject", "trial", "frame", "action")
         return replace(self, **{name: getattr(self, name)[which] for name in arrays})
+
+    @property
+    def sha256(self) -> str:
+        """Of the joints, by which manifests know the data."""
+        return hashlib.sha256(np.ascontiguousarray(self.joints).tobytes()).hexdigest()
 
 
 @dataclass(frozen=True)

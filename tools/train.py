@@ -11,7 +11,6 @@ a run goes on where its checkpoint (OUT with suffix .state) left off.
 
 import argparse
 import dataclasses
-import hashlib
 import json
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -117,12 +116,8 @@ def pick_poses(subject: np.ndarray, recipe: Recipe, rng: np.random.Generator) ->
     return rng.choice(len(subject), len(subject), p=weight / weight.sum())
 
 
-def make_steps(recipe: Recipe, optimizer: optax.GradientTransformation):
-    """The jitted epoch of each phase: (carry, keypoints, truth, key) -> (carry, loss).
-
-    carry is (params, their average, the optimizer's state); keypoints and truth are the epoch's
-    batches [steps,B,14,3].
-    """
+def fconn_losses(recipe: Recipe):
+    """The loss of each phase: (params, keypoints [B,14,3], truth [B,14,3], key) -> a number."""
 
     def l2_loss(params, keypoints, truth, key):
         predicted = network.fconn(params, network.edm_2d(keypoints), key, recipe.dropout)
@@ -134,23 +129,30 @@ def make_steps(recipe: Recipe, optimizer: optax.GradientTransformation):
         share = jnp.mean((predicted - network.edm_3d(truth)) ** 2)
         return error + recipe.distance_share * share
 
-    def epoch(loss):
-        def step(carry, batch):
-            params, average, state = carry
-            value, gradient = jax.value_and_grad(loss)(params, *batch)
-            updates, state = optimizer.update(gradient, state, params)
-            params = optax.apply_updates(params, updates)
-            average = optax.incremental_update(params, average, 1 - recipe.average)
-            return (params, average, state), value
+    return l2_loss, mds_loss
 
-        def run(carry, keypoints, truth, key):
-            keys = jax.random.split(key, len(keypoints))
-            carry, values = jax.lax.scan(step, carry, (keypoints, truth, keys))
-            return carry, values.mean()
 
-        return jax.jit(run)
+def make_epoch(loss, recipe: Recipe, optimizer: optax.GradientTransformation):
+    """The jitted epoch of a loss: (carry, keypoints, truth, key) -> (carry, mean loss).
 
-    return epoch(l2_loss), epoch(mds_loss)
+    carry is (params, their average, the optimizer's state); keypoints and truth are the epoch's
+    batches [steps,B,14,3].
+    """
+
+    def step(carry, batch):
+        params, average, state = carry
+        value, gradient = jax.value_and_grad(loss)(params, *batch)
+        updates, state = optimizer.update(gradient, state, params)
+        params = optax.apply_updates(params, updates)
+        average = optax.incremental_update(params, average, 1 - recipe.average)
+        return (params, average, state), value
+
+    def run(carry, keypoints, truth, key):
+        keys = jax.random.split(key, len(keypoints))
+        carry, values = jax.lax.scan(step, carry, (keypoints, truth, keys))
+        return carry, values.mean()
+
+    return jax.jit(run)
 
 
 def make_optimizer(recipe: Recipe, steps_per_epoch: int) -> optax.GradientTransformation:
@@ -208,14 +210,23 @@ class Run:
         if self.steps == 0:
             raise MocapError(f"{len(motion.joints)} poses do not fill a batch of {recipe.batch}")
         optimizer = make_optimizer(recipe, self.steps)
-        self.l2_epoch, self.mds_epoch = make_steps(recipe, optimizer)
-        mean = np.linalg.norm(
-            motion.joints[:, PAIRS[0]] - motion.joints[:, PAIRS[1]], axis=-1
-        ).mean(0)
-        widths = (len(mean), *recipe.hidden, len(mean))
-        params = network.init_fconn(widths, mean, seed)
+        self.l2_epoch, self.mds_epoch = (
+            make_epoch(loss, recipe, optimizer) for loss in self.losses()
+        )
+        params = self.start()
         self.carry = (params, params, optimizer.init(params))
         self.epoch = 0
+
+    def losses(self):
+        """Of the first phase and of the second."""
+        return fconn_losses(self.recipe)
+
+    def start(self) -> network.Params:
+        """Parameters before the first epoch."""
+        joints = self.motion.joints
+        mean = np.linalg.norm(joints[:, PAIRS[0]] - joints[:, PAIRS[1]], axis=-1).mean(0)
+        widths = (len(mean), *self.recipe.hidden, len(mean))
+        return network.init_fconn(widths, mean, self.seed)
 
     @property
     def epochs(self) -> int:
@@ -344,6 +355,17 @@ def settings(run: Run) -> dict:
     }
 
 
+def origin(motion: Motion, held_out: list[int]) -> dict:
+    """What was trained on, for manifests."""
+    return {
+        "source": motion.source,
+        "poses": len(motion.joints),
+        "subjects": np.unique(motion.subject).tolist(),
+        "held_out": held_out,
+        "sha256": motion.sha256,
+    }
+
+
 def write(run: Run, name: str, validation: dict[str, float], held_out: list[int], out: Path):
     """Weights to `out` and the manifest beside it."""
     layers = [(np.asarray(w), np.asarray(b)) for w, b in run.params]
@@ -352,16 +374,9 @@ def write(run: Run, name: str, validation: dict[str, float], held_out: list[int]
     out.parent.mkdir(parents=True, exist_ok=True)
     with out.open("wb") as file:
         np.savez(file, **arrays)
-    motion = run.motion
     manifest = settings(run) | {
         "recipe": {"name": name, "seed": run.seed, **dataclasses.asdict(run.recipe)},
-        "data": {
-            "source": motion.source,
-            "poses": len(motion.joints),
-            "subjects": np.unique(motion.subject).tolist(),
-            "held_out": held_out,
-            "sha256": hashlib.sha256(np.ascontiguousarray(motion.joints).tobytes()).hexdigest(),
-        },
+        "data": origin(run.motion, held_out),
         # Better of pose and reflection, mm; of people who were trained on, if none were held out.
         "validation" if held_out else "training_people": validation,
     }
