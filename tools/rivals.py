@@ -1,8 +1,12 @@
-"""What a lifter must beat, made of the training people without training: rows of the table.
+"""What a lifter must beat: rows of the table.
 
-Each has `lift` as edmlift.Library has, for tools/evaluate.py; both answer with poses of people, not
-turned to the camera.
+Two are made of the training people without training, here; each has `lift` as edmlift.Library has,
+for tools/evaluate.py, and answers with poses of people, not turned to the camera.  The figures of
+those that are trained come from the JSON of tools/train_rivals.py.
 """
+
+import json
+from pathlib import Path
 
 import numpy as np
 
@@ -11,9 +15,36 @@ from edmlift import Poses
 from mocap import Motion
 from skeleton import mid_hip
 
+TRAINED = Path(__file__).resolve().parents[1] / "docs" / "accuracy" / "rivals.json"
+TITLES = {
+    "mlp40k": "Cartesian network, 40 K",
+    "mlp25k": "Cartesian network, 25.6 K",
+    "martinez": "residual network, 4.3 M",
+}
 SEED = 20170715  # of the cameras that see the training people
 ROUNDS = 10  # of alignment to the mean
 BLOCK = 512  # poses that are compared with all others at once
+
+
+def read_trained(path: Path, test: Motion, train: Motion, columns: list[str]) -> dict[str, dict]:
+    """Figures of the trained rivals, {title: {column: {figure: value}}}, from their JSON.
+
+    ValueError if they were trained or measured on other people, or not on all of the columns.
+    """
+    again = "tools/train_rivals.py measures again"
+    if not path.exists():
+        raise ValueError(f"{path}: not there; {again}")
+    rows = {}
+    for name, entry in json.loads(path.read_text()).get("rivals", {}).items():
+        for key, how, motion in (("data", "trained", train), ("test", "measured", test)):
+            if entry[key]["sha256"] != motion.sha256:
+                other = f"{name} was {how} on other poses than those of {motion.source}"
+                raise ValueError(f"{path}: {other}; {again}")
+        missing = [column for column in columns if column not in entry["figures"]]
+        if missing:
+            raise ValueError(f"{path}: {name} has no column {', '.join(missing)}; {again}")
+        rows[TITLES[name]] = entry["figures"]
+    return rows
 
 
 class MeanPose:
@@ -29,7 +60,7 @@ class MeanPose:
         self._pose = mean - mid_hip(mean)
 
     def lift(self, keypoints: np.ndarray) -> Poses:
-        return _all_fine(np.repeat(self._pose[None], len(keypoints), 0))
+        return all_fine(np.repeat(self._pose[None], len(keypoints), 0))
 
 
 class NearestNeighbour:
@@ -49,7 +80,7 @@ class NearestNeighbour:
                 _distances(keypoints[members][:, seen, :2]), _distances(self._points[:, seen])
             )
         truth = self._truth[nearest]
-        return _all_fine(truth - mid_hip(truth)[:, None])
+        return all_fine(truth - mid_hip(truth)[:, None])
 
 
 def _distances(points: np.ndarray) -> np.ndarray:
@@ -67,6 +98,6 @@ def _nearest(these: np.ndarray, others: np.ndarray) -> np.ndarray:
     return np.concatenate([(squares - 2 * block @ others.T).argmin(1) for block in blocks])
 
 
-def _all_fine(joints: np.ndarray) -> Poses:
+def all_fine(joints: np.ndarray) -> Poses:
     nothing = np.zeros(len(joints))
     return Poses(joints, nothing, nothing, np.full(len(joints), "ok"))
