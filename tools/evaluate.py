@@ -12,7 +12,8 @@ detector, and with joints missing.  The error of a pose is the mean distance of 
 the truth after rigid alignment without scale; a figure is the mean over subjects of their means.
 Poses that the library refuses are counted, and left out of the means.
 
-With --train, rows of rivals that are made of the training people (tools/rivals.py) stand beside.
+With --train, rows of rivals stand beside (tools/rivals.py): of those that are made of the training
+people, and of those that tools/train_rivals.py trained on them and measured on these poses.
 """
 
 import argparse
@@ -210,6 +211,18 @@ def evaluate_forms(model: str, motion: Motion) -> dict:
     return {form: {name: columns[name][form] for name in columns} for form in FORMS}
 
 
+def evaluate_rivals(train: Motion, test: Motion) -> dict:
+    """Figures of the rivals, the trained ones first: {title: {column: {figure: value}}}."""
+    made = {n: rounded(evaluate(rival(train), test)) for n, rival in RIVALS.items()}
+    columns = list(next(iter(made.values())))
+    try:
+        trained = rivals.read_trained(rivals.TRAINED, test, train, columns)
+    except ValueError as error:
+        print(f"evaluate: trained rivals are left out: {error}", file=sys.stderr)
+        trained = {}
+    return trained | made
+
+
 ROWS = {
     "error": "error",
     "interval": "95 % interval",
@@ -341,7 +354,7 @@ def main() -> int:
         motion = motion.take(np.arange(0, len(motion.joints), 20))
     figures = rounded(evaluate(library, motion))
     forms = rounded(evaluate_forms(args.model, motion))
-    others = {n: rounded(evaluate(rival(train), motion)) for n, rival in RIVALS.items() if train}
+    others = evaluate_rivals(train, motion) if train else {}
     means, joints = markdown(figures).split("\n\n")
     tables = {"accuracy": means, "joints": joints, "forms": forms_markdown(figures, forms)}
     if others:

@@ -14,6 +14,7 @@ from skeleton import JOINTS, mid_hip
 DPI = 110
 NAMES = ("errors", "joints", "noise", "examples")
 LIBRARY, OTHER = COLOURS["left"], COLOURS["right"]
+LINES = ("--", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)), ":", "-.")  # of rivals
 # Example poses: the best, the worst, and what share of the poses has a smaller error.
 SHARES = {"best": 0.0, "25 %": 0.25, "median": 0.5, "75 %": 0.75, "95 %": 0.95, "worst": 1.0}
 
@@ -66,12 +67,12 @@ def errors(figures: dict, rivals: dict) -> Figure:
     ax.bar(at, error, color=LIBRARY, width=0.6, label="edmlift")
     ax.errorbar(at, error, [error - low, high - error], fmt="none", ecolor=TEXT, capsize=3)
     top = high.max()
-    for marker, (title, rival) in zip("s^Dv", rivals.items(), strict=False):
+    for marker, (title, rival) in zip("ovDs^", rivals.items(), strict=False):
         values = [rival[name]["error"] for name in figures]
-        ax.plot(at, values, marker, color=FAINT, ms=5, label=title)
+        ax.plot(at + 0.41, values, marker, color=FAINT, ms=4, label=title)  # between the bars
         top = max(top, *values)
     ax.set_xticks(at, list(figures), rotation=30, ha="right")
-    ax.set_ylim(0, 1.2 * top)  # room for the legend
+    ax.set_ylim(0, 1.25 * top)  # room for the legend
     ax.legend(frameon=False, ncols=3, loc="upper left", fontsize=9)
     return figure
 
@@ -98,14 +99,14 @@ def noise(figures: dict, rivals: dict, paper: dict[str, float]) -> Figure:
     low, high = np.array([figures[name]["interval"] for name in columns]).T
     ax.fill_between(sigma, low, high, color=LIBRARY, alpha=0.15, lw=0)
     ax.plot(sigma, error, "o-", color=LIBRARY, label="edmlift")
-    for line, (title, rival) in zip((":", "-."), rivals.items(), strict=False):
-        ax.plot(sigma, [rival[n]["error"] for n in columns], line, color=FAINT, label=title)
+    for line, (title, rival) in zip(LINES, rivals.items(), strict=False):
+        ax.plot(sigma, [rival[n]["error"] for n in columns], ls=line, color=FAINT, label=title)
     label = "the paper's FConv, on other data"
     ax.plot(sigma, [paper[name] for name in columns], "s--", color=OTHER, label=label)
     ax.set_xticks(sigma)
     ax.set_xlabel("noise on each coordinate, pixels", color=TEXT)
     ax.set_ylim(bottom=0)
-    ax.legend(frameon=False, fontsize=9)
+    ax.legend(frameon=False, fontsize=9, loc="lower left", ncols=2)
     return figure
 
 

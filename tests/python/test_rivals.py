@@ -1,5 +1,6 @@
 """Rivals answer with what they were made of."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import cameras
+import evaluate
 import rivals
 from mirror import rigid_errors
 from mocap import Motion
@@ -36,3 +38,48 @@ def test_nearest_neighbour_knows_its_own_views_of_any_size_and_with_joints_hidde
     poses = rivals.NearestNeighbour(train).lift(keypoints)
     assert rigid_errors(poses.joints, truth).max() < 1e-6
     assert not np.array_equal(poses.joints[0], poses.joints[1])
+
+
+@pytest.fixture
+def trained(tmp_path, train, monkeypatch):
+    """The JSON of a rival, and the people that it was measured on."""
+    test = replace(train, joints=train.joints[:40] + 0.5, source="test.npz").take(np.arange(40))
+    figures = {"gt": {"error": 61.0, "interval": [55.0, 66.0]}}
+    entry = {"figures": figures} | {
+        key: {"sha256": motion.sha256} for key, motion in (("data", train), ("test", test))
+    }
+    path = tmp_path / "rivals.json"
+    path.write_text(json.dumps({"rivals": {"mlp40k": entry}, "trials": {}}))
+    monkeypatch.setattr(rivals, "TRAINED", path)
+    return path, test
+
+
+def test_rows_of_trained_rivals_are_those_of_the_json(trained, train):
+    path, test = trained
+    rows = rivals.read_trained(path, test, train, ["gt"])
+    assert rows == {"Cartesian network, 40 K": {"gt": {"error": 61.0, "interval": [55.0, 66.0]}}}
+
+
+def test_a_stale_json_is_refused(tmp_path, trained, train):
+    path, test = trained
+    other = replace(test, joints=test.joints + 0.001, source="other.npz")
+    with pytest.raises(ValueError, match="mlp40k was measured on other poses .*other.npz"):
+        rivals.read_trained(path, other, train, ["gt"])
+    with pytest.raises(ValueError, match="mlp40k was trained on other poses .*other.npz"):
+        rivals.read_trained(path, test, other, ["gt"])
+    with pytest.raises(ValueError, match="mlp40k has no column n5, cpm"):
+        rivals.read_trained(path, test, train, ["gt", "n5", "cpm"])
+    with pytest.raises(ValueError, match="none.json: not there"):
+        rivals.read_trained(tmp_path / "none.json", test, train, ["gt"])
+
+
+def test_trained_rivals_stand_first_or_are_left_out(trained, train, monkeypatch, capsys):
+    _, test = trained
+    views = evaluate.views
+    monkeypatch.setattr(evaluate, "views", lambda joints: {"gt": views(joints)["gt"]})
+    rows = evaluate.evaluate_rivals(train, test)
+    assert list(rows) == ["Cartesian network, 40 K", "mean pose", "nearest neighbour"]
+    assert rows["Cartesian network, 40 K"]["gt"]["error"] == 61.0
+    assert "left out" not in capsys.readouterr().err
+    assert list(evaluate.evaluate_rivals(train, train)) == ["mean pose", "nearest neighbour"]
+    assert "left out: " in capsys.readouterr().err
