@@ -24,6 +24,9 @@ DETECTOR_SHARE = np.array(
 DETECTOR_SCALES = (0.7, 2.1)  # good and bad detections ...
 DETECTOR_BAD = 0.1  # ... and the share of bad ones
 
+ADAPTED_NECK = 0.12  # TRUNK of lib/adapt.inc
+ADAPTED_HEAD = (0.012, 0.012, 0.040)  # metres an axis: both ears or the crown; ears; an ear, a face
+
 
 @dataclass(frozen=True)
 class Rig:
@@ -115,6 +118,25 @@ def detector_noise(
     return points + rng.normal(size=points.shape) * sigma[..., None]
 
 
+def adapter_error(
+    points: np.ndarray, camera_joints: np.ndarray, rng: np.random.Generator
+) -> np.ndarray:
+    """Head and neck as edml_adapt() puts them for detectors that have neither of the models'.
+
+    The neck is on the line from between the shoulders to between the hips; the head is off by
+    ADAPTED_HEAD, as docs/adapters.md has it for what detectors show of heads.
+    points [F,14,2], pixels; camera_joints [F,14,3] -> [F,14,2].
+    """
+    out = points.copy()
+    shoulders, hips = skeleton.mid_shoulder(points), mid_hip(points)
+    out[:, skeleton.INDEX["neck"]] = shoulders + ADAPTED_NECK * (hips - shoulders)
+    pixels = FOCAL / mid_hip(camera_joints)[:, 2:]  # per metre
+    sigma = rng.choice(ADAPTED_HEAD, (len(points), 1))
+    head = skeleton.INDEX["head_top"]
+    out[:, head] += rng.normal(size=(len(points), 2)) * sigma * pixels
+    return out
+
+
 def hide_random(count: int, missing: int | np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Mask [F,14] with `missing` random joints (a number, or one a pose) not seen."""
     order = rng.random((count, len(skeleton.JOINTS))).argsort(1).argsort(1)
@@ -145,3 +167,32 @@ def vary_bodies(
     for joint, parent in enumerate(PARENT):  # the neck, its own parent, stays at the origin
         varied[:, joint] = varied[:, parent] + offsets[:, joint]
     return varied + (mid_hip(joints) - mid_hip(varied))[:, None]
+
+
+def mix_limbs(
+    joints: np.ndarray, limbs: tuple[str, ...], share: float, rng: np.random.Generator
+) -> np.ndarray:
+    """Poses of which a share has the limbs of another one, as that one holds them to its trunk.
+
+    limbs: both arms or both legs, names of skeleton.LIMBS.  Bone lengths stay.  [F,14,3] -> [F,14,3].
+    """
+    chosen = np.flatnonzero(rng.random(len(joints)) < share)
+    other = joints[rng.integers(0, len(joints), len(chosen))]
+    out = joints.astype(float)
+    mine = out[chosen]
+    roots = [PARENT[indices(LIMBS[limb])[0]] for limb in limbs]
+    turn = np.einsum("fki,fkj->fij", _trunk(mine, *roots), _trunk(other, *roots))
+    for child in (joint for limb in limbs for joint in indices(LIMBS[limb])):
+        parent = PARENT[child]
+        length = np.linalg.norm(mine[:, child] - mine[:, parent], axis=-1, keepdims=True)
+        direction = _unit(np.einsum("fij,fj->fi", turn, other[:, child] - other[:, parent]))
+        out[chosen, child] = out[chosen, parent] + length * direction
+    return out
+
+
+def _trunk(joints: np.ndarray, right: int, left: int) -> np.ndarray:
+    """Axes [F,3,3], a row each: to the left (from joint to joint), up, forward."""
+    across = _unit(joints[:, left] - joints[:, right])
+    up = joints[:, skeleton.INDEX["neck"]] - mid_hip(joints)
+    forward = _unit(np.cross(across, up))
+    return np.stack([across, np.cross(forward, across), forward], 1)

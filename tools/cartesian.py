@@ -1,6 +1,6 @@
 """Networks from 2D joints straight to 3D joints, in JAX: the rivals that are trained.
 
-Parameters are a list of layers, (weight, bias) or, where batch normalisation follows, (weight,
+Layers are (weight, bias) or, where batch normalisation follows, (weight,
 bias, gain, shift); every layer but the last ends in a ReLU.
 """
 
@@ -10,7 +10,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-import network
 from skeleton import JOINTS
 
 Params = list[tuple[jax.Array, ...]]
@@ -34,11 +33,14 @@ def inputs(keypoints: jax.Array, mask: bool = False) -> jax.Array:
 
 
 def init(widths: Sequence[int], mean: np.ndarray, normalised: bool, seed: int) -> Params:
-    """As network.init_fconn; the last bias starts at the mean pose [14,3], metres."""
-    *hidden, last = network.init_fconn(widths, mean.ravel(), seed)
-    if normalised:
-        hidden = [(w, b, jnp.ones_like(b), jnp.zeros_like(b)) for w, b in hidden]
-    return [*hidden, last]
+    """He initialisation; the last bias starts at the mean pose [14,3], metres."""
+    rng = np.random.default_rng(seed)
+    layers = []
+    for rows, columns in zip(widths[:-1], widths[1:], strict=True):
+        weight, zeros = rng.normal(0, np.sqrt(2 / rows), (rows, columns)), np.zeros(columns)
+        layers.append((weight, zeros, zeros + 1, zeros) if normalised else (weight, zeros))
+    layers[-1] = (0.1 * layers[-1][0], mean.ravel())
+    return [tuple(jnp.asarray(a, jnp.float32) for a in layer) for layer in layers]
 
 
 def count(params: Params) -> int:

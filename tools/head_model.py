@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skeleton import INDEX, mid_hip
+from skeleton import INDEX, mid_hip, mid_shoulder
 
 # Millimetres, ANSUR II.
 STATURE, ACROMION, SUPRASTERNALE = 1714.4, 1406.2, 1403.0  # heights above the floor
@@ -61,11 +61,6 @@ class Frame:
         left, up, forward = millimetres
         step = left * self.left + up * self.up + forward * self.forward
         return origin + step * self.size[:, None] / 1000
-
-
-def mid_shoulder(joints: np.ndarray) -> np.ndarray:
-    """[..., 14, D] -> [..., D]."""
-    return (joints[..., INDEX["right_shoulder"], :] + joints[..., INDEX["left_shoulder"], :]) / 2
 
 
 def low_necks(joints: np.ndarray, subject: np.ndarray) -> np.ndarray:

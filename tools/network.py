@@ -1,9 +1,9 @@
-"""The differentiable half of the pipeline, in JAX: keypoints -> EDM -> FConn -> EDM -> points.
+"""The differentiable half of the pipeline, in JAX: keypoints -> EDM, and EDM -> points.
+
+The networks between them are fconn.py and fconv.py.
 
 Only training uses it; figures and poses that a table reports come from the C library.
 """
-
-from collections.abc import Sequence
 
 import jax
 import jax.numpy as jnp
@@ -11,7 +11,6 @@ import numpy as np
 
 from skeleton import JOINTS, PAIRS
 
-Params = list[tuple[jax.Array, jax.Array]]
 COUNT = len(JOINTS)
 
 
@@ -33,31 +32,6 @@ def edm_2d(keypoints: jax.Array) -> jax.Array:
 def edm_3d(points: jax.Array) -> jax.Array:
     """Distances between the joints: [B,14,3] -> [B,91] (eq. 1)."""
     return jnp.linalg.norm(points[:, PAIRS[0]] - points[:, PAIRS[1]], axis=-1)
-
-
-def init_fconn(widths: Sequence[int], mean_output: np.ndarray, seed: int) -> Params:
-    """He initialisation; the last bias starts at the mean EDM, for a dead ReLU stays dead."""
-    rng = np.random.default_rng(seed)
-    params = [
-        (rng.normal(0, np.sqrt(2 / n), (n, m)).astype(np.float32), np.zeros(m, np.float32))
-        for n, m in zip(widths[:-1], widths[1:], strict=True)
-    ]
-    last, _ = params[-1]
-    params[-1] = (last * 0.1, mean_output.astype(np.float32))
-    return [(jnp.asarray(w), jnp.asarray(b)) for w, b in params]
-
-
-def fconn(params: Params, x: jax.Array, key: jax.Array | None = None, dropout: float = 0.0):
-    """Fully connected network, ReLU after each layer, [B,91] -> [B,91] metres (section 3.2).
-
-    With a key, dropout follows each hidden layer.
-    """
-    for layer, (weight, bias) in enumerate(params):
-        x = jax.nn.relu(x @ weight + bias)
-        if key is not None and dropout > 0 and layer < len(params) - 1:
-            keep = jax.random.bernoulli(jax.random.fold_in(key, layer), 1 - dropout, x.shape)
-            x = jnp.where(keep, x / (1 - dropout), 0.0)
-    return x
 
 
 @jax.custom_vjp

@@ -47,6 +47,7 @@ LIMBS = {
     "right_leg": ("right_knee", "right_ankle"),
     "left_leg": ("left_knee", "left_ankle"),
 }
+ARMS, LEGS = ("right_arm", "left_arm"), ("right_leg", "left_leg")
 
 # (row, column) of the 91 pairs above the diagonal of a 14x14 matrix, row by row: the order of
 # the network's input and output.
@@ -61,3 +62,13 @@ def indices(names: tuple[str, ...]) -> list[int]:
 def mid_hip(joints: np.ndarray) -> np.ndarray:
     """Root of a pose: the point between the hips; [..., 14, D] -> [..., D]."""
     return (joints[..., INDEX["right_hip"], :] + joints[..., INDEX["left_hip"], :]) / 2
+
+
+def mid_shoulder(joints: np.ndarray) -> np.ndarray:
+    """Midpoint of the shoulders: [..., 14, D] -> [..., D]."""
+    return (joints[..., INDEX["right_shoulder"], :] + joints[..., INDEX["left_shoulder"], :]) / 2
+
+
+def mirrored(joints: np.ndarray) -> np.ndarray:
+    """What the pose is in a mirror, left for right: [..., 14, 3] -> [..., 14, 3]."""
+    return joints[..., MIRROR, :] * [-1, 1, 1]

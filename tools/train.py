@@ -1,6 +1,7 @@
-"""Trains FConn on motion capture: weights to an .npz with a manifest beside it.
+"""Trains FConn or FConv on motion capture: weights to an .npz with a manifest beside it.
 
     train.py MOTION --out gen/fconn.npz
+    train.py MOTION --network fconv --epochs 30 --out gen/fconv.npz
     train.py MOTION --recipe paper --out build/paper.npz
 
 MOTION is an .npz or a folder that tools/mocap.py reads.  Every epoch sees fresh cameras, noise,
@@ -11,10 +12,12 @@ a run goes on where its checkpoint (OUT with suffix .state) left off.
 
 import argparse
 import dataclasses
+import functools
 import json
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import ModuleType
 
 import jax
 import jax.numpy as jnp
@@ -23,8 +26,11 @@ import optax
 from tqdm import tqdm
 
 import cameras
+import fconn
+import fconv
 import network
 import reference
+import skeleton
 from mirror import fit_mirror, rigid_errors
 from mocap import MocapError, Motion, load_motion
 from skeleton import LIMBS, PAIRS
@@ -35,7 +41,7 @@ from weights import manifest_text
 class Recipe:
     """Everything that decides the weights, besides the motion and the seed."""
 
-    hidden: tuple[int, ...] = (128, 128)
+    network: str = "fconn"
     l2_epochs: int = 20  # epochs of plain L2 on the distances ...
     mds_epochs: int = 1780  # ... then epochs on the joint error behind the MDS
     batch: int = 128
@@ -49,6 +55,9 @@ class Recipe:
     detector: float = 1.5  # detector-like noise is drawn up to this scale
     bodies: bool = True  # vary height and proportions
     masks: bool = True  # hide joints
+    flip: bool = True  # mirror half of the motion: left-handed people, too
+    mix: float = 0.0  # share of the poses with the arms of another one, and with the legs
+    adapted: float = 0.25  # share of the poses whose head and neck are an adapter's
     balance: float = 0.5  # a subject with n poses is drawn in proportion to n^(1 - balance)
 
 
@@ -70,16 +79,24 @@ RECIPES = {
         detector=0.0,
         bodies=False,
         masks=False,
+        flip=False,
+        mix=0.0,
+        adapted=0.0,
         balance=0.0,
     ),
 }
 
+NETWORKS = {"fconn": fconn, "fconv": fconv}
 OBJECTIVES = ("none", "square", "raw", "eq2")  # of the refinement: edml_objective
 MAX_MISSING = 4  # most joints hidden in training: the lifter refuses more
 
 
 def draw_2d(joints: np.ndarray, recipe: Recipe, rng: np.random.Generator):
     """One fresh view of every pose: keypoints [F,14,3] and the truth in camera axes [F,14,3]."""
+    if recipe.flip:
+        joints = np.where(rng.random((len(joints), 1, 1)) < 0.5, skeleton.mirrored(joints), joints)
+    for limbs in (skeleton.ARMS, skeleton.LEGS):
+        joints = cameras.mix_limbs(joints, limbs, recipe.mix, rng)
     if recipe.bodies:
         joints = cameras.vary_bodies(joints, rng)
     truth = cameras.look(joints, rng)
@@ -90,6 +107,8 @@ def draw_2d(joints: np.ndarray, recipe: Recipe, rng: np.random.Generator):
     iid = rng.random(count) < 0.5
     points = cameras.gaussian_noise(points, np.where(iid, strength * recipe.noise, 0.0), rng)
     points = cameras.detector_noise(points, rng, np.where(iid, 0.0, strength * recipe.detector))
+    adapted = rng.random(count) < recipe.adapted
+    points[adapted] = cameras.adapter_error(points[adapted], truth[adapted], rng)
     seen = draw_masks(count, rng) if recipe.masks else None
     keypoints = cameras.keypoints(points, seen)
     return keypoints.astype(np.float32), truth.astype(np.float32)
@@ -116,18 +135,20 @@ def pick_poses(subject: np.ndarray, recipe: Recipe, rng: np.random.Generator) ->
     return rng.choice(len(subject), len(subject), p=weight / weight.sum())
 
 
-def fconn_losses(recipe: Recipe):
-    """The loss of each phase: (params, keypoints [B,14,3], truth [B,14,3], key) -> a number."""
+def distance_losses(recipe: Recipe):
+    """The loss of each phase: (params, keypoints [B,14,3], truth [B,14,3], key) -> a number, and
+    what of the parameters is observed instead of trained."""
+    net = NETWORKS[recipe.network]
 
     def l2_loss(params, keypoints, truth, key):
-        predicted = network.fconn(params, network.edm_2d(keypoints), key, recipe.dropout)
-        return jnp.mean((predicted - network.edm_3d(truth)) ** 2)
+        predicted, observed = net.forward(params, network.edm_2d(keypoints), key, recipe.dropout)
+        return jnp.mean((predicted - network.edm_3d(truth)) ** 2), observed
 
     def mds_loss(params, keypoints, truth, key):
-        predicted = network.fconn(params, network.edm_2d(keypoints), key, recipe.dropout)
+        predicted, observed = net.forward(params, network.edm_2d(keypoints), key, recipe.dropout)
         error = network.joint_errors(network.classical_mds(predicted), truth).mean()
         share = jnp.mean((predicted - network.edm_3d(truth)) ** 2)
-        return error + recipe.distance_share * share
+        return error + recipe.distance_share * share, observed
 
     return l2_loss, mds_loss
 
@@ -141,9 +162,9 @@ def make_epoch(loss, recipe: Recipe, optimizer: optax.GradientTransformation):
 
     def step(carry, batch):
         params, average, state = carry
-        value, gradient = jax.value_and_grad(loss)(params, *batch)
+        (value, observed), gradient = jax.value_and_grad(loss, has_aux=True)(params, *batch)
         updates, state = optimizer.update(gradient, state, params)
-        params = optax.apply_updates(params, updates)
+        params = optax.apply_updates(params, updates) | observed
         average = optax.incremental_update(params, average, 1 - recipe.average)
         return (params, average, state), value
 
@@ -184,18 +205,31 @@ def validation_set(joints: np.ndarray, seed: int) -> dict[str, tuple[np.ndarray,
     return {name: (k.astype(np.float32), truth.astype(np.float32)) for name, k in columns.items()}
 
 
+BLOCK = 500  # views that a network takes at once
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def predict_block(net: ModuleType, params, keypoints: jax.Array) -> jax.Array:
+    return net.predict(params, network.edm_2d(keypoints))
+
+
+def predict(net: ModuleType, params, keypoints: np.ndarray) -> np.ndarray:
+    """Distances [F,91] of keypoints [F,14,3], a block at a time."""
+    blocks = [keypoints[i : i + BLOCK] for i in range(0, len(keypoints), BLOCK)]
+    return np.concatenate([predict_block(net, params, block) for block in blocks])
+
+
 @jax.jit
-def oracle_errors(params, keypoints, truth):
+def oracle_errors(distances, truth):
     """Mean joint error of each pose, better of pose and reflection, metres [B]."""
-    points = network.classical_mds(network.fconn(params, network.edm_2d(keypoints)))
-    return network.joint_errors(points, truth).mean(1)
+    return network.joint_errors(network.classical_mds(distances), truth).mean(1)
 
 
-def validate(params, columns, subject: np.ndarray) -> dict[str, float]:
+def validate(net: ModuleType, params, columns, subject: np.ndarray) -> dict[str, float]:
     """Oracle-mirror error of each column in mm: the mean over subjects of their means."""
     result = {}
     for name, (keypoints, truth) in columns.items():
-        error = np.asarray(oracle_errors(params, keypoints, truth))
+        error = np.asarray(oracle_errors(predict(net, params, keypoints), truth))
         means = [error[subject == s].mean() for s in np.unique(subject)]
         result[name] = round(float(1000 * np.mean(means)), 2)
     return result
@@ -219,21 +253,24 @@ class Run:
 
     def losses(self):
         """Of the first phase and of the second."""
-        return fconn_losses(self.recipe)
+        return distance_losses(self.recipe)
 
-    def start(self) -> network.Params:
+    def start(self) -> dict[str, jax.Array]:
         """Parameters before the first epoch."""
         joints = self.motion.joints
         mean = np.linalg.norm(joints[:, PAIRS[0]] - joints[:, PAIRS[1]], axis=-1).mean(0)
-        widths = (len(mean), *self.recipe.hidden, len(mean))
-        return network.init_fconn(widths, mean, self.seed)
+        return self.network.init(mean, self.seed)
+
+    @property
+    def network(self) -> ModuleType:
+        return NETWORKS[self.recipe.network]
 
     @property
     def epochs(self) -> int:
         return self.recipe.l2_epochs + self.recipe.mds_epochs
 
     @property
-    def params(self) -> network.Params:
+    def params(self) -> dict[str, jax.Array]:
         """The averaged weights: what is validated and saved."""
         return self.carry[1]
 
@@ -284,7 +321,7 @@ def train(run: Run, held: Motion, state: Path, every: int = 10) -> dict[str, flo
     """Runs to the last epoch with a progress bar; returns the validation error in mm."""
     sample = held.take(np.arange(0, len(held.joints), max(1, len(held.joints) // 6000)))
     columns = validation_set(sample.joints, run.seed)
-    result = validate(run.params, columns, sample.subject)
+    result = validate(run.network, run.params, columns, sample.subject)
     with (
         ThreadPoolExecutor(1) as pool,  # draws the next epoch while this one trains
         tqdm(total=run.epochs, initial=run.epoch, unit="epoch") as bar,
@@ -297,7 +334,7 @@ def train(run: Run, held: Motion, state: Path, every: int = 10) -> dict[str, flo
             if not np.isfinite(loss):
                 raise FloatingPointError(f"loss is {loss} in epoch {run.epoch}: lower the rate")
             if run.epoch % every == 0 or run.epoch == run.epochs:
-                result = validate(run.params, columns, sample.subject)
+                result = validate(run.network, run.params, columns, sample.subject)
                 run.save_state(state)
             bar.update()
             bar.set_postfix(loss=f"{loss:.4f}", **result)
@@ -336,8 +373,8 @@ def settings(run: Run) -> dict:
             run.motion.joints, run.recipe, np.random.default_rng([run.seed, 1 << 31, epoch])
         )
         widest = max(widest, aspect(keypoints).max())
-        distance = network.fconn(run.params, network.edm_2d(jnp.asarray(keypoints)))
-        distances.append(np.asarray(distance, float))
+        distance = predict(run.network, run.params, keypoints)
+        distances.append(distance.astype(float))
         points.append(np.asarray(network.classical_mds(distance), float))
         truths.append(truth.astype(float))
     truth = np.concatenate(truths)
@@ -368,9 +405,7 @@ def origin(motion: Motion, held_out: list[int]) -> dict:
 
 def write(run: Run, name: str, validation: dict[str, float], held_out: list[int], out: Path):
     """Weights to `out` and the manifest beside it."""
-    layers = [(np.asarray(w), np.asarray(b)) for w, b in run.params]
-    arrays = {f"weight{i}": w for i, (w, _) in enumerate(layers)}
-    arrays |= {f"bias{i}": b for i, (_, b) in enumerate(layers)}
+    arrays = {name: np.asarray(value) for name, value in run.params.items()}
     out.parent.mkdir(parents=True, exist_ok=True)
     with out.open("wb") as file:
         np.savez(file, **arrays)
@@ -390,6 +425,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
     parser.add_argument("--out", type=Path, required=True, help="weights, .npz")
     parser.add_argument("--recipe", choices=RECIPES, default="mds")
+    parser.add_argument("--network", choices=NETWORKS, default="fconn")
     parser.add_argument("--epochs", type=int, help="epochs in all, instead of the recipe's")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(
@@ -404,6 +440,8 @@ def shorten(recipe: Recipe, epochs: int | None) -> Recipe:
         return recipe
     total = recipe.l2_epochs + recipe.mds_epochs
     l2 = round(epochs * recipe.l2_epochs / total)
+    if recipe.mds_epochs > 0:
+        l2 = max(l2, epochs // 6)  # few as they are, they must get the MDS near enough
     return dataclasses.replace(recipe, l2_epochs=l2, mds_epochs=epochs - l2)
 
 
@@ -412,7 +450,8 @@ def main() -> int:
     state = args.out.with_suffix(".state")
     try:
         motion, held = split(load_motion(args.motion), args.hold_out)
-        run = Run(motion, shorten(RECIPES[args.recipe], args.epochs), args.seed)
+        recipe = dataclasses.replace(RECIPES[args.recipe], network=args.network)
+        run = Run(motion, shorten(recipe, args.epochs), args.seed)
         if state.exists():
             run.load_state(state)
         args.out.parent.mkdir(parents=True, exist_ok=True)

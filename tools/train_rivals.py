@@ -40,8 +40,9 @@ from weights import manifest_text
 
 @dataclasses.dataclass(frozen=True)
 class Recipe(train.Recipe):
-    """Of a rival: `hidden` are its widths, `mds_epochs` all of its epochs."""
+    """Of a rival; `mds_epochs` are all of its epochs."""
 
+    hidden: tuple[int, ...] = (128, 128)
     residual: bool = False  # batch normalisation, and a skip around each two layers
     mask: bool = False  # which joints are seen is input, too
     rigid: float = 0.8  # share of the joint error after rigid alignment; the rest without
@@ -50,7 +51,7 @@ class Recipe(train.Recipe):
         """What decides the weights, for the JSON."""
         fields = dataclasses.asdict(self)
         fields["epochs"] = fields.pop("mds_epochs")
-        unused = ("l2_epochs", "distance_share")
+        unused = ("network", "l2_epochs", "distance_share")
         return {"seed": seed} | {k: v for k, v in fields.items() if k not in unused}
 
 
@@ -97,17 +98,19 @@ SETTLE = 8192  # training views by which batch normalisation is fixed
 
 
 def rival_loss(recipe: Recipe):
-    """(params, keypoints [B,14,3], truth [B,14,3], key) -> mean joint error, metres."""
+    """(params, keypoints [B,14,3], truth [B,14,3], key) -> mean joint error, metres; and {}, for
+    nothing of the parameters is observed."""
 
     def loss(params, keypoints, truth, key):
         x = cartesian.inputs(keypoints, recipe.mask)
-        points, _ = cartesian.forward(params, x, recipe.residual, None, key, recipe.dropout)
+        layers = params["layers"]
+        points, _ = cartesian.forward(layers, x, recipe.residual, None, key, recipe.dropout)
         value = 0.0
         if recipe.rigid > 0:
             value += recipe.rigid * network.joint_errors(points, truth, mirror=False).mean()
         if recipe.rigid < 1:
             value += (1 - recipe.rigid) * cartesian.camera_errors(points, truth).mean()
-        return value
+        return value, {}
 
     return loss
 
@@ -132,12 +135,17 @@ class Run(train.Run):
     def losses(self):
         return (rival_loss(self.recipe),) * 2
 
-    def start(self) -> cartesian.Params:
+    def start(self) -> dict[str, cartesian.Params]:
         truth = cameras.look(self.motion.joints, np.random.default_rng(self.seed))
         mean = (truth - truth.mean(1, keepdims=True)).mean(0)
         widths = ((3 if self.recipe.mask else 2) * len(JOINTS), *self.recipe.hidden)
         widths = (*widths, cartesian.OUTPUTS)
-        return cartesian.init(widths, mean, self.recipe.residual, self.seed)
+        return {"layers": cartesian.init(widths, mean, self.recipe.residual, self.seed)}
+
+    @property
+    def layers(self) -> cartesian.Params:
+        """The averaged weights."""
+        return self.params["layers"]
 
     def draw(self, epoch: int) -> tuple[np.ndarray, np.ndarray]:
         """The views of an epoch, keypoints and truth [F,14,3]: the same for all rivals."""
@@ -156,8 +164,8 @@ class Run(train.Run):
         rng = np.random.default_rng([self.seed, 1 << 31])
         chosen = train.pick_poses(self.motion.subject, self.recipe, rng)[:SETTLE]
         keypoints, _ = train.draw_2d(self.motion.joints[chosen], self.recipe, rng)
-        _, statistics = predict(self.params, None, jnp.asarray(keypoints), self.recipe)
-        return Lifter(self.recipe, self.params, statistics)
+        _, statistics = predict(self.layers, None, jnp.asarray(keypoints), self.recipe)
+        return Lifter(self.recipe, self.layers, statistics)
 
     def describe(self) -> str:
         return json.dumps({"recipe": super().describe(), "motion": self.motion.sha256})
@@ -231,7 +239,7 @@ def record(run: Run, held_out: list[int], test: Motion) -> dict:
     """A rival's entry in the JSON: what it is, how it was trained, and its figures."""
     figures = evaluate.rounded(evaluate.evaluate(run.settle(), test))
     return {
-        "parameters": cartesian.count(run.params),
+        "parameters": cartesian.count(run.layers),
         "recipe": run.recipe.noted(run.seed),
         "data": train.origin(run.motion, held_out),
         # Rigidly aligned, mm; of people who were trained on, if none were held out.
@@ -244,7 +252,7 @@ def record(run: Run, held_out: list[int], test: Motion) -> dict:
 def tried(run: Run, held_out: list[int]) -> dict:
     """A trial's entry in the JSON."""
     return {
-        "parameters": cartesian.count(run.params),
+        "parameters": cartesian.count(run.layers),
         "recipe": run.recipe.noted(run.seed),
         "data": train.origin(run.motion, held_out),
         "validation": run.curve[run.epochs],

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from test_cameras import STANDING
 
+import fconn
+import fconv
 import mirror
 import network
 import reference
@@ -20,7 +22,7 @@ from mocap import MocapError, Motion
 from skeleton import JOINTS, PAIRS
 
 TRAIN = Path(train.__file__)
-SHORT = train.Recipe(l2_epochs=2, mds_epochs=2, batch=50, hidden=(16, 16))
+SHORT = train.Recipe(l2_epochs=2, mds_epochs=2, batch=50)
 
 
 def people(count: int = 400) -> Motion:
@@ -99,8 +101,8 @@ def test_the_loss_falls_and_a_resumed_run_is_the_same(tmp_path):
     resumed.load_state(tmp_path / "state")
     while resumed.epoch < resumed.epochs:
         resumed.advance(resumed.draw(resumed.epoch))
-    for (w, b), (w2, b2) in zip(whole.params, resumed.params, strict=True):
-        assert np.array_equal(w, w2) and np.array_equal(b, b2)
+    for name, values in whole.params.items():
+        assert np.array_equal(values, resumed.params[name]), name
 
 
 def test_a_state_of_another_recipe_is_refused(tmp_path):
@@ -128,11 +130,60 @@ def test_the_papers_recipe_is_the_papers():
 
 
 def test_dropout_is_for_training_only():
-    params = network.init_fconn((91, 16, 16, 91), np.ones(91), 0)
+    params = fconn.init(np.ones(91), 0)
     x = jnp.ones((3, 91))
-    still = network.fconn(params, x)
-    assert np.array_equal(still, network.fconn(params, x, None, 0.5))
-    assert not np.array_equal(still, network.fconn(params, x, jax.random.key(0), 0.5))
+    still = fconn.predict(params, x)
+    assert np.array_equal(still, fconn.forward(params, x, jax.random.key(0), 0.0)[0])
+    assert not np.array_equal(still, fconn.forward(params, x, jax.random.key(0), 0.5)[0])
+
+
+def test_fconv_has_the_papers_parameters():
+    params = fconv.init(np.ones(91), 0)
+    observed = ("_mean", "_variance")
+    assert sum(p.size for n, p in params.items() if not n.endswith(observed)) == 605825
+
+
+def test_the_convolutions_are_convolutions():
+    rng = np.random.default_rng(0)
+    layout = ("NHWC", "HWIO", "NHWC")
+
+    def draw(*shape):
+        return jnp.asarray(rng.normal(size=shape), jnp.float32)
+
+    def plain(x, weight, pad, dilation=1):
+        return jax.lax.conv_general_dilated(
+            x, weight, (1, 1), (pad, pad), (dilation, dilation), dimension_numbers=layout
+        )
+
+    x, w = draw(2, 14, 14), draw(7, 7, 1, 3)
+    assert np.allclose(fconv.conv1(x, w), plain(x[..., None], w, (3, 3)), atol=1e-4)
+    x, w = draw(2, 7, 7, 4), draw(7, 7, 4, 4)
+    assert np.allclose(fconv.conv2(x, w), plain(x, w, (3, 3)), atol=1e-4)
+    for n, size, pad in ((4, 7, (3, 3)), (7, 14, (3, 4))):  # a transposed one turns the kernel round
+        x = draw(2, n, n, 4)
+        expected = plain(x, w[::-1, ::-1], pad, dilation=2)
+        assert np.allclose(fconv.deconv(x, w, size), expected, atol=1e-4)
+
+
+def test_fconv_normalises_by_the_batch_and_later_by_what_it_saw():
+    params = fconv.init(np.ones(91), 0)
+    edm = jnp.asarray(np.random.default_rng(1).uniform(0, 2, (40, 91)), jnp.float32)
+    for _ in range(1500):  # until the running means have forgotten where they began
+        by_batch, observed = batch_forward(params, edm)
+        params |= observed
+    assert set(observed) == {"bn1_mean", "bn1_variance", "bn2_mean", "bn2_variance"}
+    assert np.allclose(by_batch, fconv.predict(params, edm), atol=1e-4)
+
+
+@jax.jit
+def batch_forward(params, edm):
+    return fconv.forward(params, edm, None, 0.0)
+
+
+def test_fconvs_loss_falls():
+    run = train.Run(people(100), dataclasses.replace(SHORT, network="fconv"), 7)
+    losses = [run.advance(run.draw(run.epoch)) for _ in range(4)]
+    assert losses[1] < losses[0] and losses[3] < losses[2]
 
 
 def test_the_mirror_weights_tell_people_from_their_reflections():

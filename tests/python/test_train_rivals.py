@@ -54,7 +54,7 @@ def test_neither_size_nor_place_nor_a_joint_that_is_not_seen_matters():
 
 def test_rivals_have_the_parameters_that_they_are_named_for():
     runs = {n: train_rivals.Run(people(1100), r, 0) for n, r in train_rivals.RIVALS.items()}
-    sizes = {name: cartesian.count(run.params) for name, run in runs.items()}
+    sizes = {name: cartesian.count(run.layers) for name, run in runs.items()}
     assert sizes["mlp40k"] == pytest.approx(40_027, rel=0.01)  # FConn's
     assert sizes["mlp25k"] == 28 * 128 + 128 + 128 * 128 + 128 + 128 * 42 + 42 == 25_642
     assert sizes["martinez"] == pytest.approx(4.3e6, rel=0.01)
@@ -163,12 +163,12 @@ def test_a_lifter_has_the_averaged_weights_and_their_own_normalisation():
     # By fixed statistics: a pose is lifted alone as it is among others ...
     assert np.allclose(lifter.lift(keypoints[:1]).joints, whole.joints[:1], atol=1e-5)
     # ... which are those that the averaged weights have on training views, without dropout.
-    last = train_rivals.Lifter(RESIDUAL, run.carry[0], lifter.statistics).lift(keypoints)
+    last = train_rivals.Lifter(RESIDUAL, run.carry[0]["layers"], lifter.statistics).lift(keypoints)
     assert np.abs(last.joints - whole.joints).max() > 1e-4
     rng = np.random.default_rng([7, 1 << 31])
     chosen = train.pick_poses(run.motion.subject, RESIDUAL, rng)
     seen, _ = train.draw_2d(run.motion.joints[chosen], RESIDUAL, rng)
-    first = cartesian.inputs(jnp.asarray(seen)) @ run.params[0][0] + run.params[0][1]
+    first = cartesian.inputs(jnp.asarray(seen)) @ run.layers[0][0] + run.layers[0][1]
     assert np.allclose(lifter.statistics[0][0], first.mean(0), atol=1e-4)
     assert np.allclose(lifter.statistics[0][1], first.var(0), rtol=1e-3)
 
@@ -230,4 +230,4 @@ def test_trials_have_a_table(tmp_path):
     train_rivals.train_all({"plain": run}, people(40), tmp_path)
     text = train_rivals.tried_markdown({"plain": train_rivals.tried(run, [3])})
     assert "| parameters | epochs | gt | n10 | cpm | rand2 |" in text
-    assert f"| plain | {cartesian.count(run.params):,} | 3 |" in text
+    assert f"| plain | {cartesian.count(run.layers):,} | 3 |" in text
