@@ -174,7 +174,8 @@ def mix_limbs(
 ) -> np.ndarray:
     """Poses of which a share has the limbs of another one, as that one holds them to its trunk.
 
-    limbs: both arms or both legs, names of skeleton.LIMBS.  Bone lengths stay.  [F,14,3] -> [F,14,3].
+    limbs: both arms or both legs, names of skeleton.LIMBS.  Bone lengths stay.
+    [F,14,3] -> [F,14,3].
     """
     chosen = np.flatnonzero(rng.random(len(joints)) < share)
     other = joints[rng.integers(0, len(joints), len(chosen))]

@@ -1,6 +1,7 @@
 """FConv, the paper's second network (section 3.2), in JAX: for training alone.
 
-    14x14 -> conv 7x7, 64, BN, ReLU, max pool -> 7x7x64 -> conv 7x7, 64, BN, ReLU, max pool -> 4x4x64
+    14x14 -> conv 7x7, 64, BN, ReLU, max pool -> 7x7x64
+    -> conv 7x7, 64, BN, ReLU, max pool -> 4x4x64
     -> deconv 7x7, 64, stride 2, ReLU -> 7x7x64 -> deconv 7x7, 64, stride 2, ReLU -> 14x14x64
     -> conv 1x1 -> 14x14, mean of it and its transpose, ReLU
 

@@ -7,7 +7,6 @@ Only training uses it; figures and poses that a table reports come from the C li
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from skeleton import JOINTS, PAIRS
 

@@ -56,7 +56,7 @@ class Recipe:
     bodies: bool = True  # vary height and proportions
     masks: bool = True  # hide joints
     flip: bool = True  # mirror half of the motion: left-handed people, too
-    mix: float = 0.0  # share of the poses with the arms of another one, and with the legs
+    mix: float = 0.3  # share of the poses with the arms of another one, and with the legs
     adapted: float = 0.25  # share of the poses whose head and neck are an adapter's
     balance: float = 0.5  # a subject with n poses is drawn in proportion to n^(1 - balance)
 
@@ -250,6 +250,7 @@ class Run:
         params = self.start()
         self.carry = (params, params, optimizer.init(params))
         self.epoch = 0
+        self.curve: dict[int, dict[str, float]] = {}  # epoch -> validation error by column, mm
 
     def losses(self):
         """Of the first phase and of the second."""
@@ -292,17 +293,19 @@ class Run:
     def save_state(self, path: Path) -> None:
         leaves = jax.tree.leaves(self.carry)
         temporary = path.with_suffix(".tmp")
+        about = {"epoch": self.epoch, "curve": json.dumps(self.curve), "recipe": self.describe()}
         with temporary.open("wb") as file:
-            np.savez(file, *map(np.asarray, leaves), epoch=self.epoch, recipe=self.describe())
+            np.savez(file, *map(np.asarray, leaves), **about)
         temporary.replace(path)
 
     def load_state(self, path: Path) -> None:
         with np.load(path) as state:
             if str(state["recipe"]) != self.describe():
                 raise ValueError(f"{path}: of another recipe or seed; remove it to start anew")
-            leaves = [jnp.asarray(state[f"arr_{i}"]) for i in range(len(state.files) - 2)]
+            leaves = [jnp.asarray(state[f"arr_{i}"]) for i in range(len(state.files) - 3)]
             self.carry = jax.tree.unflatten(jax.tree.structure(self.carry), leaves)
             self.epoch = int(state["epoch"])
+            self.curve = {int(epoch): row for epoch, row in json.loads(str(state["curve"])).items()}
 
     def describe(self) -> str:
         return json.dumps({"seed": self.seed, **dataclasses.asdict(self.recipe)})
@@ -317,11 +320,13 @@ def split(motion: Motion, held_out: list[int]) -> tuple[Motion, Motion]:
     return motion.take(~apart), motion.take(apart if held_out else ~apart)
 
 
-def train(run: Run, held: Motion, state: Path, every: int = 10) -> dict[str, float]:
-    """Runs to the last epoch with a progress bar; returns the validation error in mm."""
-    sample = held.take(np.arange(0, len(held.joints), max(1, len(held.joints) // 6000)))
+STOPS = 30  # of a run, for validation and a checkpoint
+
+
+def train(run: Run, held: Motion, state: Path) -> None:
+    """Runs to the last epoch with a progress bar."""
+    sample = held.take(np.arange(0, len(held.joints), max(1, len(held.joints) // 3000)))
     columns = validation_set(sample.joints, run.seed)
-    result = validate(run.network, run.params, columns, sample.subject)
     with (
         ThreadPoolExecutor(1) as pool,  # draws the next epoch while this one trains
         tqdm(total=run.epochs, initial=run.epoch, unit="epoch") as bar,
@@ -333,12 +338,12 @@ def train(run: Run, held: Motion, state: Path, every: int = 10) -> dict[str, flo
             loss = run.advance(batches)
             if not np.isfinite(loss):
                 raise FloatingPointError(f"loss is {loss} in epoch {run.epoch}: lower the rate")
-            if run.epoch % every == 0 or run.epoch == run.epochs:
-                result = validate(run.network, run.params, columns, sample.subject)
+            if run.epoch % max(1, run.epochs // STOPS) == 0 or run.epoch == run.epochs:
+                error = validate(run.network, run.params, columns, sample.subject)
+                run.curve[run.epoch] = {"loss": round(loss, 4), **error}
                 run.save_state(state)
             bar.update()
-            bar.set_postfix(loss=f"{loss:.4f}", **result)
-    return result
+            bar.set_postfix(next(reversed(run.curve.values()), {"loss": loss}))
 
 
 def aspect(keypoints: np.ndarray) -> np.ndarray:
@@ -348,6 +353,7 @@ def aspect(keypoints: np.ndarray) -> np.ndarray:
     return width / height
 
 
+WIDEST = 3.5  # what the ranges of fixed point allow for; of 100,000 views, a handful are wider
 REFINE_STEPS = 10  # tried for each objective
 REFINE_SAMPLE = 300  # poses
 
@@ -384,7 +390,7 @@ def settings(run: Run) -> dict:
     objective = min(errors, key=errors.get)
     return {
         "fewest_joints": 14 - MAX_MISSING if run.recipe.masks else 14,
-        "widest": float(np.ceil(2 * widest) / 2),
+        "widest": min(float(np.ceil(2 * widest) / 2), WIDEST),
         "objective": objective,
         "refine_steps": 0 if objective == "none" else REFINE_STEPS,
         "refinement_mm": errors,
@@ -403,7 +409,13 @@ def origin(motion: Motion, held_out: list[int]) -> dict:
     }
 
 
-def write(run: Run, name: str, validation: dict[str, float], held_out: list[int], out: Path):
+def by_column(curve: dict[int, dict[str, float]]) -> dict[str, list[float]]:
+    """A curve as a list a column, the epochs first."""
+    columns = next(iter(curve.values()))
+    return {"epoch": [*curve], **{name: [row[name] for row in curve.values()] for name in columns}}
+
+
+def write(run: Run, name: str, held_out: list[int], out: Path):
     """Weights to `out` and the manifest beside it."""
     arrays = {name: np.asarray(value) for name, value in run.params.items()}
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -413,7 +425,7 @@ def write(run: Run, name: str, validation: dict[str, float], held_out: list[int]
         "recipe": {"name": name, "seed": run.seed, **dataclasses.asdict(run.recipe)},
         "data": origin(run.motion, held_out),
         # Better of pose and reflection, mm; of people who were trained on, if none were held out.
-        "validation" if held_out else "training_people": validation,
+        "validation" if held_out else "training_people": by_column(run.curve),
     }
     out.with_suffix(".json").write_text(manifest_text(manifest))
 
@@ -455,14 +467,15 @@ def main() -> int:
         if state.exists():
             run.load_state(state)
         args.out.parent.mkdir(parents=True, exist_ok=True)
-        validation = train(run, held, state)
+        train(run, held, state)
     except (MocapError, ValueError, FloatingPointError, OSError) as error:
         print(f"train: {error}", file=sys.stderr)
         return 1
-    write(run, args.recipe, validation, args.hold_out, args.out)
+    write(run, args.recipe, args.hold_out, args.out)
     state.unlink()
     people = "people held out" if args.hold_out else "training people"
-    print(f"{args.out}: error of {people}, mm, better of pose and reflection: {validation}")
+    error = run.curve[run.epochs]
+    print(f"{args.out}: error of {people}, mm, better of pose and reflection: {error}")
     return 0
 
 

@@ -126,11 +126,7 @@ def predict(params, statistics, keypoints, recipe: Recipe):
 
 
 class Run(train.Run):
-    """A rival's training: its curve is {epoch: validation error by column, mm}."""
-
-    def __init__(self, motion: Motion, recipe: Recipe, seed: int):
-        super().__init__(motion, recipe, seed)
-        self.curve: dict[int, dict[str, float]] = {}
+    """A rival's training."""
 
     def losses(self):
         return (rival_loss(self.recipe),) * 2
@@ -169,15 +165,6 @@ class Run(train.Run):
 
     def describe(self) -> str:
         return json.dumps({"recipe": super().describe(), "motion": self.motion.sha256})
-
-    def save_state(self, path: Path) -> None:
-        path.with_suffix(".curve").write_text(json.dumps(self.curve))
-        super().save_state(path)
-
-    def load_state(self, path: Path) -> None:
-        super().load_state(path)
-        curve = json.loads(path.with_suffix(".curve").read_text())
-        self.curve = {int(epoch): row for epoch, row in curve.items() if int(epoch) <= self.epoch}
 
 
 @dataclasses.dataclass(frozen=True)

@@ -159,9 +159,12 @@ def test_the_convolutions_are_convolutions():
     assert np.allclose(fconv.conv1(x, w), plain(x[..., None], w, (3, 3)), atol=1e-4)
     x, w = draw(2, 7, 7, 4), draw(7, 7, 4, 4)
     assert np.allclose(fconv.conv2(x, w), plain(x, w, (3, 3)), atol=1e-4)
-    for n, size, pad in ((4, 7, (3, 3)), (7, 14, (3, 4))):  # a transposed one turns the kernel round
+    for n, size, pad in (
+        (4, 7, (3, 3)),
+        (7, 14, (3, 4)),
+    ):  # a transposed one turns the kernel round
         x = draw(2, n, n, 4)
-        expected = plain(x, w[::-1, ::-1], pad, dilation=2)
+        expected = plain(x, w[::-1, ::-1], pad, dilation=2)  # a transposed one turns it round
         assert np.allclose(fconv.deconv(x, w, size), expected, atol=1e-4)
 
 
