@@ -4,8 +4,8 @@
 
 Through the C library: the linear score of lib/mirror.inc, and the joint limits of lib/limits.inc,
 which turn what the score has chosen where the mirror image has fewer bones beyond them.  On true
-poses, on true poses with noise, and on what the network makes of exact 2D and of a detector's (the
-views of tools/evaluate.py).  Errors and means are those of evaluate.py.
+poses, on true poses with noise, and on what the network makes of exact 2D, of noise of 20 pixels
+and of a detector's (views of tools/evaluate.py).  Errors and means are those of evaluate.py.
 """
 
 import argparse
@@ -24,7 +24,8 @@ from mocap import MocapError, Motion, load_motion
 from skeleton import mid_hip
 
 NOISE = 0.030  # metres, each coordinate of a joint
-NETWORK = {"network, exact 2D": "gt", "network, detector": "cpm"}  # columns of evaluate.py
+# Columns of evaluate.py.
+NETWORK = {"network, exact 2D": "gt", "network, 20 px": "n20", "network, detector": "cpm"}
 RULES = ("by chance", "joint limits, else by chance", "linear score",
          "joint limits, else linear score", "better mirror image")  # fmt: skip
 SCORE, LIMITS = RULES[2], RULES[3]
@@ -106,7 +107,7 @@ def rules(c: Choices) -> dict[str, tuple[float, float]]:
 
 def rules_table(found: dict[str, Choices]) -> str:
     of = {name: rules(c) for name, c in found.items()}
-    heads = [head for name in of for head in (f"{name}: right, %", "mm")]
+    heads = [head for name in of for head in (f"{name}: %", "mm")]
     rows = {rule: [value for name in of for value in of[name][rule]] for rule in RULES}
     undecided = [100 * by_subject(c.fewer == 0, c.subject).mean() for c in found.values()]
     rows["joint limits undecided, %"] = [cell for u in undecided for cell in (u, None)]
@@ -114,15 +115,15 @@ def rules_table(found: dict[str, Choices]) -> str:
 
 
 def beyond_table(found: dict[str, Choices]) -> str:
-    """How many bones of the right image are beyond the limits, and what that says of the error."""
+    """Poses and their mean errors, by how many bones they have beyond the limits once chosen."""
     rows = {}
     for name, c in found.items():
-        cells: list[float | None] = []
-        for which in (c.beyond == 0, c.beyond == 1, c.beyond >= 2):
-            mean = by_subject(c.by_limits[which], c.subject[which]).mean() if which.any() else None
-            cells += [100 * by_subject(which, c.subject).mean(), mean]
-        rows[name] = cells
-    heads = [h for bones in ("none", "one", "more") for h in (f"{bones}, % of poses", "their mm")]
+        rows[name] = [
+            cell
+            for which in (c.beyond == 0, c.beyond == 1, c.beyond >= 2)
+            for cell in (int(which.sum()), c.by_limits[which].mean() if which.any() else None)
+        ]
+    heads = [head for bones in ("none", "one", "more") for head in (f"{bones}: poses", "mm")]
     return table("bones beyond", heads, rows)
 
 
