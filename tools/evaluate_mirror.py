@@ -24,6 +24,7 @@ from mocap import MocapError, Motion, load_motion
 from skeleton import mid_hip
 
 NOISE = 0.030  # metres, each coordinate of a joint
+SAME = 1e-3  # mm: errors of one and the same pose
 # Columns of evaluate.py.
 NETWORK = {"network, exact 2D": "gt", "network, 20 px": "n20", "network, detector": "cpm"}
 RULES = ("by chance", "joint limits, else by chance", "linear score",
@@ -97,7 +98,7 @@ def rules(c: Choices) -> dict[str, tuple[float, float]]:
     chance, undecided = (c.error + c.mirrored) / 2, c.fewer == 0
     errors = (chance, np.where(undecided, chance, c.by_limits), c.error, c.by_limits, c.least)
     half = np.full(len(chance), 0.5)
-    right = [np.isclose(error, c.least, rtol=0, atol=1e-3).astype(float) for error in errors]
+    right = [(error - c.least < SAME).astype(float) for error in errors]
     right[0], right[1] = half, np.where(undecided, half, right[1])
     return {
         name: (100 * by_subject(good, c.subject).mean(), by_subject(error, c.subject).mean())
@@ -109,8 +110,10 @@ def rules_table(found: dict[str, Choices]) -> str:
     of = {name: rules(c) for name, c in found.items()}
     heads = [head for name in of for head in (f"{name}: %", "mm")]
     rows = {rule: [value for name in of for value in of[name][rule]] for rule in RULES}
-    undecided = [100 * by_subject(c.fewer == 0, c.subject).mean() for c in found.values()]
-    rows["joint limits undecided, %"] = [cell for u in undecided for cell in (u, None)]
+    turned = [int((np.abs(c.by_limits - c.error) > SAME).sum()) for c in found.values()]
+    undecided = [int((c.fewer == 0).sum()) for c in found.values()]
+    for title, counts in (("turned", turned), ("undecided", undecided)):
+        rows[f"joint limits: poses {title}"] = [cell for n in counts for cell in (n, None)]
     return table("", heads, rows)
 
 
