@@ -283,6 +283,17 @@ float edml_quality(const edml_pose *pose, const edml_keypoint in[EDML_JOINTS]);
  *   seen  as in the pose; fewer than 10 are EDML_ERR_TOO_FEW_JOINTS, as in the lift */
 edml_status edml_uncertainty(uint8_t millimetres[EDML_JOINTS], uint16_t seen);
 
+/* How many of the nine bones head, upper arms, forearms, thighs and shins point where no training
+ * person's did, seen from the torso or the bone before (the paper's rule of section 3.3, with an own
+ * table, 4 KB); 9 where a joint is not within 4 m.  Nearly always 0 of true poses, and 3 or more of their
+ * mirror images.  A bone or torso without direction counts.  docs/accuracy.md has what it tells. */
+int edml_limits(const edml_pose *pose);
+
+/* Turns a pose, in place, into the one of its two mirror images with fewer such bones; with as many, as
+ * it is.  Returns how many fewer: 0 is no opinion.  A pose that is turned gets a mirror_margin of 0, as
+ * the lift's own rule disagrees.  Takes 0.6 KB of stack. */
+int edml_mirror_by_limits(edml_pose *pose);
+
 /* Stands a pose on the floor.
  *   out  [14] metres: y upwards from the floor, on which the lower ankle's foot stands; x right and z
  *        towards the camera, along the floor, from mid-hip.  A camera that rolls or pitches turns them
@@ -354,6 +365,8 @@ edml_status edml_fit_person_q24(edml_pose_q16 *pose, const edml_person_q16 *pers
 int32_t edml_quality_q24(const edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS]);
 edml_status edml_floor_q24(edml_point_q16 out[EDML_JOINTS], const edml_pose_q16 *pose,
                            edml_point_q16 up);
+int edml_limits_q24(const edml_pose_q16 *pose);
+int edml_mirror_by_limits_q24(edml_pose_q16 *pose);
 
 /* ---- The stages, in the order in which data flow ------------------------------------------ */
 

@@ -11,6 +11,7 @@
 #include "jacobi.inc"
 #include "mds.inc"
 #include "refine.inc"
+#include "torso.inc"
 #include "mirror.inc"
 #include "orient.inc"
 #include "lift.inc"

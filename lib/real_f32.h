@@ -47,6 +47,8 @@ typedef float reported;
 #define edml_fit_person_f32 edml_fit_person
 #define edml_floor_f32 edml_floor
 #define edml_quality_f32 edml_quality
+#define edml_limits_f32 edml_limits
+#define edml_mirror_by_limits_f32 edml_mirror_by_limits
 
 #define REAL(constant) constant##F
 #define SETTING(number) (number).f32

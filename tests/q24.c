@@ -254,3 +254,23 @@ edml_status q24_floor(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_p
     for (int j = 0; j < EDML_JOINTS; j++) out[j] = point_from_q16(stood[j]);
     return status;
 }
+
+int q24_limits(const edml_pose *pose)
+{
+    edml_pose_q16 given;
+    if (pose != NULL) pose_to_q16(&given, pose);
+    return edml_limits_q24(pose != NULL ? &given : NULL);
+}
+
+int q24_mirror_by_limits(edml_pose *pose)
+{
+    if (pose == NULL) return edml_mirror_by_limits_q24(NULL);
+    edml_pose_q16 given, chosen;
+    pose_to_q16(&given, pose);
+    chosen = given;
+    const int fewer = edml_mirror_by_limits_q24(&chosen);
+    if (memcmp(&given, &chosen, sizeof given) == 0) return fewer;
+    for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j] = point_from_q16(chosen.joint[j]);
+    pose->mirror_margin = from_q16(chosen.mirror_margin);
+    return fewer;
+}

@@ -39,6 +39,8 @@ edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, cons
 
 edml_status q24_fit_person(edml_pose *pose, const edml_person *owner);
 float q24_quality(const edml_pose *pose, const edml_keypoint in[EDML_JOINTS]);
+int q24_limits(const edml_pose *pose);
+int q24_mirror_by_limits(edml_pose *pose);
 edml_status q24_floor(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_point up);
 
 #ifdef EDML_TEST_Q24
@@ -57,6 +59,8 @@ edml_status q24_floor(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_p
 #define edml_fit_person q24_fit_person
 #define edml_quality q24_quality
 #define edml_floor q24_floor
+#define edml_limits q24_limits
+#define edml_mirror_by_limits q24_mirror_by_limits
 #define edml_fconn_f32 edml_fconn_q15
 #endif
 

@@ -281,6 +281,12 @@ static void with_poses_both(const edml_pose_q16 *pose, const edml_person_q16 *ow
     TEST_ASSERT_EQUAL_INT(edml_floor_q24(stood, pose, up), check_floor(other, pose, up, &taken));
     TEST_ASSERT_SAME_BYTES(stood, other);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    TEST_ASSERT_EQUAL_INT(edml_limits_q24(pose), check_limits(pose, &taken));
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    expected = found = *pose;
+    TEST_ASSERT_EQUAL_INT(edml_mirror_by_limits_q24(&expected), check_mirror_by_limits(&found, &taken));
+    TEST_ASSERT_SAME_BYTES(expected, found);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
 }
 
 /* Joints anywhere within reach, or at its ends; measures of people, or anything; upwards of any bits. */

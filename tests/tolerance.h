@@ -106,6 +106,16 @@
 #define FLOOR_TOLERANCE 1e-4F
 #endif
 
+/* ---- Joint limits: poses that are counted otherwise, as a bone is at the border of a cell ---- */
+#ifndef EDML_TEST_Q24
+#define LIMITS_TURNED 1    /* of 500; measured 0 */
+#define LIMITS_EXCHANGED 0 /* signs alone */
+#else
+#define LIMITS_TURNED 5    /* joints rounded to 2^-16 */
+#define LIMITS_EXCHANGED 1 /* products are rounded upwards */
+#endif
+#define LIMITS_FIXED 4 /* of 4000 */
+
 /* ---- Lift ---- */
 #define LIFT_TOLERANCE 0.003F /* the tilt above: the person of helpers.c has 2 % in depth */
 #define LIFT_SCALED_TOLERANCE 1e-3F /* input rounded anew: a smooth network makes little of it */

@@ -243,6 +243,25 @@ class Library:
         status = [self._c.edml_uncertainty(*pair) for pair in pairs]
         return np.where(np.array(status)[:, None] == 0, found, np.nan)
 
+    def limits(self, poses: np.ndarray) -> np.ndarray:
+        """How many bones [F] of poses [F,14,3] are beyond human limits."""
+        given, limits, _ = self._given(poses)
+        return np.array([limits(_pointer(given[i : i + 1])) for i in range(len(given))], int)
+
+    def mirror_by_limits(self, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The mirror images [F,14,3] of poses with fewer such bones, and how many fewer [F]."""
+        given, _, mirror = self._given(poses)
+        fewer = np.array([mirror(_pointer(given[i : i + 1])) for i in range(len(given))], int)
+        return given["joint"] / (65536 if self.fixed else 1), fewer
+
+    def _given(self, poses: np.ndarray) -> tuple[np.ndarray, Callable, Callable]:
+        """Poses as the library takes them, and its functions for joint limits."""
+        given = np.zeros(len(poses), POSE_Q16 if self.fixed else POSE)
+        given["joint"] = np.round(poses * 65536) if self.fixed else poses
+        if self.fixed:
+            return given, self._c.edml_limits_q24, self._c.edml_mirror_by_limits_q24
+        return given, self._c.edml_limits, self._c.edml_mirror_by_limits
+
     def floor(self, pose: np.ndarray, up: tuple[float, float, float]) -> tuple[str, np.ndarray]:
         """Status name, and the joints [14,3] of a pose, y up from the floor."""
         out, given = np.full((14, 3), np.nan, np.float32), np.zeros(1, POSE)

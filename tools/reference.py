@@ -201,6 +201,76 @@ def mirror(points: np.ndarray, weights5: np.ndarray) -> tuple[np.ndarray, float]
     return (points if score >= 0 else points * [1, 1, -1]), abs(score)
 
 
+# Joint limits.  Kinds of bones, each with those of its right and left; what hangs on which.
+LIMBS = {"arms": ARMS, "forearms": FOREARMS, "head": HEAD, "thighs": THIGHS, "shins": SHINS}
+HANGS_ON = {"forearms": "arms", "shins": "thighs"}
+CELLS, PARENT_CELLS = 16, 8  # of the octahedral maps, along a side
+STRAIGHT = np.array([1.0, -1.0, 1.0]) / np.sqrt(3)  # outward, down, forward
+
+
+def torso_axes(points: np.ndarray, right: str, left: str) -> np.ndarray:
+    """Axes of the torso as rows: toward the subject's left, up, forward; zero if it has no front.
+
+    points [...,14,3]; right and left: the joints through which the first one goes -> [...,3,3].
+    """
+    side = unit(points[..., INDEX[left], :] - points[..., INDEX[right], :])
+    front = unit(np.cross(side, unit(points[..., INDEX["neck"], :] - mid_hip(points))))
+    side = side * front.any(-1, keepdims=True)
+    return np.stack([side, np.cross(front, side), front], -2)
+
+
+def limb_directions(points: np.ndarray) -> dict[str, np.ndarray]:
+    """Unit vectors [...,2,3] (head: [...,1,3]) along the bones of each kind; zero: no direction.
+
+    In the torso's axes, the first of which points outward: left bones are as right ones in a
+    mirror, and a head that leans to the right as one that leans to the left.
+    """
+    chest = torso_axes(points, "right_shoulder", "left_shoulder")
+    pelvis = torso_axes(points, "right_hip", "left_hip")
+    found = {}
+    for kind, bones in LIMBS.items():
+        axes = pelvis if kind in ("thighs", "shins") else chest
+        ends = [points[..., INDEX[end], :] - points[..., INDEX[start], :] for start, end in bones]
+        local = np.einsum("...ij,...nj->...ni", axes, unit(np.stack(ends, -2)))
+        local[..., 0] *= [-1, 1] if len(bones) == 2 else np.sign(local[..., 0])
+        found[kind] = local
+    return found
+
+
+def unbent(bone: np.ndarray, parent: np.ndarray) -> np.ndarray:
+    """Directions [...,3] after the half turn that brings their parents' to STRAIGHT."""
+    axis = unit(STRAIGHT + parent)
+    return 2 * (axis * bone).sum(-1, keepdims=True) * axis - bone
+
+
+def octahedral(direction: np.ndarray, cells: int = CELLS) -> tuple[np.ndarray, np.ndarray]:
+    """Row and column [...] of unit vectors [...,3] on the octahedral map of cells x cells."""
+    x, y, z = np.moveaxis(direction, -1, 0) / np.maximum(np.abs(direction).sum(-1), 1e-9)
+    across = np.where(z < 0, (1 - np.abs(y)) * np.where(x < 0, -1, 1), x)
+    along = np.where(z < 0, (1 - np.abs(x)) * np.where(y < 0, -1, 1), y)
+    row, column = (
+        np.clip(np.floor((a + 1) * cells / 2), 0, cells - 1).astype(int) for a in (along, across)
+    )
+    return row, column
+
+
+def limits(points: np.ndarray, maps: dict[str, np.ndarray]) -> np.ndarray:
+    """How many of the nine bones point where people's do not: [...,14,3] -> [...].
+
+    maps: where they do, by kind: bool [16,16], or [8,8,16,16] by the cell of what they hang on.
+    """
+    directions = limb_directions(points)
+    count = np.zeros(points.shape[:-2], int)
+    for kind, bone in directions.items():
+        known, where = bone.any(-1), ()
+        if kind in HANGS_ON:
+            parent = directions[HANGS_ON[kind]]
+            known, where = known & parent.any(-1), octahedral(parent, PARENT_CELLS)
+            bone = unbent(bone, parent)
+        count += (~(known & maps[kind][*where, *octahedral(bone)])).sum(-1)
+    return count
+
+
 LIGHT, LEAST = 0.001, 0.0001  # ridges, as a share of the spread
 
 

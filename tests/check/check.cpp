@@ -10,6 +10,7 @@ check_tally tally;
 #include "jacobi.inc"
 #include "mds.inc"
 #include "refine.inc"
+#include "torso.inc"
 #include "mirror.inc"
 #include "orient.inc"
 

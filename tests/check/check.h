@@ -45,6 +45,10 @@ int32_t check_quality(const edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML
 edml_status check_floor(edml_point_q16 out[EDML_JOINTS], const edml_pose_q16 *pose,
                         edml_point_q16 up, check_tally *tally);
 
+/* edml_limits_q24() and edml_mirror_by_limits_q24(), and what they took. */
+int check_limits(const edml_pose_q16 *pose, check_tally *tally);
+int check_mirror_by_limits(edml_pose_q16 *pose, check_tally *tally);
+
 #ifdef __cplusplus
 }
 #endif

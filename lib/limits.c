@@ -1,0 +1,4 @@
+/* SPDX-License-Identifier: MIT */
+#include "limits.h"
+
+#include "../gen/joint_limits.h"
