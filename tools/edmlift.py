@@ -7,6 +7,7 @@ or point EDMLIFT_LIBRARY at one.
 import ctypes
 import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -192,15 +193,23 @@ class Library:
         """Poses [F] and status [F] of a C function that lifts one."""
         poses = np.zeros(len(keypoints), pose)
         status = np.zeros(len(keypoints), np.int32)
-        model, work = ctypes.c_void_p(self.model), self._work
+        model = ctypes.c_void_p(self.model)
         source, target = keypoints.ctypes.data, poses.ctypes.data
-        for i in range(len(keypoints)):
-            status[i] = lift(
-                ctypes.c_void_p(target + i * pose.itemsize),
-                ctypes.c_void_p(source + i * keypoints.strides[0]),
-                model,
-                work,
-            )
+
+        def run(first: int) -> None:
+            work = ctypes.create_string_buffer(len(self._work))
+            for i in range(first, len(keypoints), threads):
+                status[i] = lift(
+                    ctypes.c_void_p(target + i * pose.itemsize),
+                    ctypes.c_void_p(source + i * keypoints.strides[0]),
+                    model,
+                    work,
+                )
+
+        # FConv is so slow that it is worth while to share the work: while C runs, so may another.
+        threads = (os.cpu_count() or 1) if self._fconv else 1
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(run, range(threads)))
         return poses, status
 
     def format(self, name: str) -> Format:
