@@ -25,5 +25,5 @@ void edml_net_fconv_f32(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
     from_q24(distance, value);
 }
 
-#define FCONV
+#define LIFT_BY_FCONV
 #include "lift.inc"

@@ -13,5 +13,5 @@ void edml_net_fconv_q24(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAI
     net->predict_q24(distance, edm, net->layers, &work->maps);
 }
 
-#define FCONV
+#define LIFT_BY_FCONV
 #include "lift.inc"
