@@ -86,7 +86,8 @@ typedef struct {
     X(EDML_ERR_DEGENERATE, -4, "degenerate")         /* on a point or line, or of no height */    \
     X(EDML_ERR_UNUSUAL, -5, "unusual")               /* wider for its height than any training pose */ \
     X(EDML_ERR_MODEL, -6, "model")                   /* the model's data do not match its checksum, or are floats \
-                                                        where whole numbers are wanted */     \
+                                                        where whole numbers are wanted, or it is another \
+                                                        lift's */                             \
     X(EDML_ERR_CAMERA, -7, "camera")                 /* not a camera, or one that cannot have seen that */ \
     X(EDML_ERR_TIME, -8, "time")                     /* a frame that is not later than the last one */ \
     X(EDML_ERR_PERSON, -9, "person")                 /* no one's height and bones, or not one person's */
@@ -117,6 +118,16 @@ typedef struct edml_work edml_work;
  * Time does not depend on the input beyond the number of Jacobi rotations, which is bounded. */
 edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
                       const edml_model *model, edml_work *work);
+
+/* The paper's other network, convolutional, 605,825 weights: 2.4 MB in float32, 0.6 MB in whole numbers
+ * of 8 bits, and some 200 times the work.  docs/fconv.md has when it is worth it. */
+extern const edml_model edml_fconv_f32, edml_fconv_q7;
+
+typedef struct edml_fconv_work edml_fconv_work; /* 22 KB */
+
+/* edml_lift() with such a model, which edml_lift() refuses, as this does the others: EDML_ERR_MODEL. */
+edml_status edml_lift_fconv(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
+                            const edml_model *model, edml_fconv_work *work);
 
 /* ---- Other joints -------------------------------------------------------------------------- */
 
@@ -337,6 +348,12 @@ typedef struct edml_work_q24 edml_work_q24;
 edml_status edml_lift_q24(edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS],
                           const edml_model *model, edml_work_q24 *work);
 
+typedef struct edml_fconv_work_q24 edml_fconv_work_q24; /* 14 KB */
+
+/* edml_lift_fconv() on whole numbers.  model  &edml_fconv_q7 */
+edml_status edml_lift_fconv_q24(edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS],
+                                const edml_model *model, edml_fconv_work_q24 *work);
+
 typedef struct {
     int32_t fx, fy, cx, cy; /* pixels, Q16, each under 8192 */
 } edml_camera_q16;
@@ -386,11 +403,13 @@ typedef struct {
 edml_status edml_edm_f32(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest,
                          float widest);
 
-/* Distances in 3D that the model's network predicts (section 3.2).
+/* Distances in 3D that the model's network predicts (section 3.2); NaN if it is of the other kind.
  *   distance  [91] metres, >= 0
  *   edm       [91] as from edml_edm_f32() */
 void edml_net_f32(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
                   const edml_model *model, edml_work *work);
+void edml_net_fconv_f32(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
+                        const edml_model *model, edml_fconv_work *work);
 
 /* One Jacobi step: the sine of a rotation in the plane of the axes p and q, |sine| <= sqrt(1/2). */
 typedef struct {
@@ -474,6 +493,8 @@ edml_status edml_edm_q24(int32_t edm[EDML_PAIRS], const edml_keypoint_q16 in[EDM
                          int fewest, int32_t widest);
 void edml_net_q24(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
                   const edml_model *model, edml_work_q24 *work); /* a quantised model */
+void edml_net_fconv_q24(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
+                        const edml_model *model, edml_fconv_work_q24 *work); /* edml_fconv_q7 */
 void edml_jacobi_q24(edml_eigen_q24 *eigen, const edml_matrix_q24 *a);
 void edml_mds_q24(edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_PAIRS],
                   edml_work_q24 *work);
@@ -510,6 +531,31 @@ struct edml_work_q24 {
         edml_rotation_q24 turn[320];
         edml_point_q24 step[4][EDML_JOINTS];
     } use;
+};
+
+enum { EDML_CHANNELS = 64 }; /* of a map of FConv */
+
+typedef struct {
+    float wide[7 * 7 * EDML_CHANNELS], narrow[4 * 4 * EDML_CHANNELS];
+    float sum[2][EDML_CHANNELS], image[EDML_JOINTS * EDML_JOINTS];
+} edml_fconv_maps_f32;
+
+typedef struct {
+    int16_t wide[7 * 7 * EDML_CHANNELS], narrow[4 * 4 * EDML_CHANNELS];
+    int32_t sum[2][EDML_CHANNELS], image[EDML_JOINTS * EDML_JOINTS];
+} edml_fconv_maps_q7;
+
+struct edml_fconv_work {
+    edml_work lift;
+    union {
+        edml_fconv_maps_f32 f32;
+        edml_fconv_maps_q7 q7;
+    } maps;
+};
+
+struct edml_fconv_work_q24 {
+    edml_work_q24 lift;
+    edml_fconv_maps_q7 maps;
 };
 
 #ifdef __cplusplus

@@ -8,6 +8,7 @@
 
 #define NAME(x) x##_f32
 typedef float value;
+typedef float activation;
 typedef float weight;
 typedef edml_dense_f32 dense_layer;
 

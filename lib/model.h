@@ -17,6 +17,7 @@ enum {
     EDML_LAYER_WIDEST = 128, /* units of a layer that fit edml_work */
     EDML_ROWS = 8,           /* rows of weights that lie side by side */
     EDML_ACTIVATION = 32767, /* the largest activation of a quantised network */
+    EDML_FCONV_LAYERS = 5,
     EDML_EDM_SHIFT = 12      /* its input is the EDM in Q24 shifted right by this: Q12, below 8 */
 };
 
@@ -70,7 +71,8 @@ struct edml_model {
     uint32_t checksum; /* FNV-1a over the bytes of each layer's arrays, in the order of its members */
 
     /* The network: its kernel is named here, so that a program links only what its model needs.
-     * Float networks have predict_f32, quantised ones predict_q24; the other is NULL. */
+     * Float networks have predict_f32, quantised ones predict_q24; the other is NULL.  An FConv has no
+     * layers of this kind: layer_count is 0, `layers` an edml_fconv, predict_f32 refuses. */
     void (*predict_f32)(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
                         const edml_model *model, float layer[2][EDML_LAYER_WIDEST]);
     void (*predict_q24)(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
@@ -89,6 +91,20 @@ struct edml_model {
     edml_number mirror[5]; /* weights of arms, forearms, head, thighs, shins: see mirror.inc */
 };
 
+/* The network of an FConv model; one kernel is NULL.  `layers`: EDML_FCONV_LAYERS of edml_dense_f32 or
+ * _q7, two convolutions, two transposed ones, and 1x1.  The inputs of the first four are windows of
+ * [7][7][channels], in the order that fconv.inc has; up to EDML_CHANNELS outputs, a multiple of
+ * EDML_ROWS.  In whole numbers the sums of the last stay within +-2^30, for it scales those of two. */
+typedef struct {
+    void (*predict_f32)(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
+                        const void *layers, edml_fconv_maps_f32 *maps);
+    void (*predict_q24)(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
+                        const void *layers, edml_fconv_maps_q7 *maps);
+    const void *layers;
+} edml_fconv;
+
+#define IS_FCONV(model) ((model)->layer_count == 0)
+
 /* FConn: fconn.inc in the arithmetic of fconn_f32.c, fconn_q15.c and fconn_q7.c. */
 void edml__fconn_f32(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
                      const edml_model *model, float layer[2][EDML_LAYER_WIDEST]);
@@ -99,5 +115,16 @@ void edml__fconn_q7(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
 uint32_t edml__fconn_hash_f32(const edml_model *model);
 uint32_t edml__fconn_hash_q15(const edml_model *model);
 uint32_t edml__fconn_hash_q7(const edml_model *model);
+
+/* FConv: fconv.inc in the arithmetic of fconv_f32.c and fconv_q7.c.  edml__fconv_refuse() is what its
+ * models have for predict_f32: all distances are NaN. */
+void edml__fconv_f32(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const void *layers,
+                     edml_fconv_maps_f32 *maps);
+void edml__fconv_q7(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
+                    const void *layers, edml_fconv_maps_q7 *maps);
+uint32_t edml__fconv_hash_f32(const edml_model *model);
+uint32_t edml__fconv_hash_q7(const edml_model *model);
+void edml__fconv_refuse(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
+                        const edml_model *model, float layer[2][EDML_LAYER_WIDEST]);
 
 #endif

@@ -13,7 +13,7 @@
  *   FINITE        is a coordinate a number and in range?
  *   EXACT_TO      coordinates are rounded like ones of this magnitude, or more coarsely
  *   RESULT GIVEN  a real as the pose holds it (reported), and back
- *   RUNS          can this arithmetic run that model?
+ *   RUNS          can edml_lift() in this arithmetic run that model?  RUNS_FCONV: edml_lift_fconv()
  *
  * The ranges in the stages' comments are what fixed point relies on.
  *
@@ -33,6 +33,7 @@ typedef edml_keypoint keypoint;
 typedef edml_point point;
 typedef edml_pose pose;
 typedef edml_work work_memory;
+typedef edml_fconv_work fconv_work_memory;
 typedef edml_rotation_f32 rotation;
 typedef edml_camera camera;
 typedef edml_placement placement;
@@ -42,6 +43,7 @@ typedef float reported;
 
 #define NAME(x) x##_f32
 #define edml_lift_f32 edml_lift /* the public names of the float pipeline have no suffix */
+#define edml_lift_fconv_f32 edml_lift_fconv
 #define edml_place_f32 edml_place
 #define edml_place_sweep_f32 edml_place_sweep
 #define edml_fit_person_f32 edml_fit_person
@@ -69,6 +71,7 @@ typedef float reported;
 
 #define FINITE(a) ((a) - (a) == 0.0F) /* false for NaN and infinity */
 #define EXACT_TO 0.0F
-#define RUNS(model) ((model)->predict_f32 != NULL || (model)->predict_q24 != NULL)
+#define RUNS(model) (!IS_FCONV(model))
+#define RUNS_FCONV(model) IS_FCONV(model)
 
 #endif

@@ -19,6 +19,7 @@ typedef edml_keypoint_q16 keypoint;
 typedef edml_point_q24 point;
 typedef edml_pose_q16 pose;
 typedef edml_work_q24 work_memory;
+typedef edml_fconv_work_q24 fconv_work_memory;
 typedef edml_rotation_q24 rotation;
 typedef edml_camera_q16 camera;
 typedef edml_placement_q16 placement;
@@ -48,6 +49,8 @@ typedef int32_t reported; /* Q16 */
 #define FINITE(a) in_range_q24(a)
 #define EXACT_TO (INT32_C(256) << 16) /* pixels: 24 bits, as many as a float has */
 #define RUNS(model) ((model)->predict_q24 != NULL)
+#define RUNS_FCONV(model) \
+    (IS_FCONV(model) && ((const edml_fconv *)(model)->layers)->predict_q24 != NULL)
 
 /* Shifting a negative number to the right must round down, as it does everywhere; C leaves it open. */
 typedef char shifts_are_arithmetic[(-3 >> 1) == -2 ? 1 : -1];

@@ -10,8 +10,9 @@
 #include <string.h>
 
 #include "edmlift.h"
+#include "fconv_tiny.h"
 
-enum { POSES = 200, MATRICES = 12, SHAPES = 12, STEPS = 6 };
+enum { POSES = 200, MATRICES = 12, SHAPES = 12, STEPS = 6, NETS = 4 };
 
 static edml_work work;
 static edml_work_q24 work_q24;
@@ -245,16 +246,35 @@ static void refine_shapes_q24(void)
     }
 }
 
+/* The distances that the small FConv of fconv_tiny.h predicts. */
+static int convolve(const edml_fconv *net)
+{
+    static edml_fconv_work fconv_work;
+    const edml_model model = tiny_model(net);
+    for (int n = 0; n < NETS; n++) {
+        float distance[EDML_PAIRS];
+        for (int k = 0; k < EDML_PAIRS; k++) distance[k] = (float)draw(2049) / 512.0F;
+        edml_net_fconv_f32(distance, distance, &model, &fconv_work);
+        add_bytes(distance, sizeof distance);
+    }
+    return NETS;
+}
+
 static void start(void)
 {
     hash = 14695981039346656037U;
     state = 1;
 }
 
-static void report(const char *what, int count, const char *done)
+static void report_of(const char *what, int count, int of, const char *done)
 {
     printf("%s %08lx%08lx %d of %d %s\n", what, (unsigned long)(hash >> 32),
-           (unsigned long)(hash & 0xFFFFFFFFU), count, POSES, done);
+           (unsigned long)(hash & 0xFFFFFFFFU), count, of, done);
+}
+
+static void report(const char *what, int count, const char *done)
+{
+    report_of(what, count, POSES, done);
 }
 
 int main(void)
@@ -281,5 +301,9 @@ int main(void)
     report("float f32", resize_poses(), "resized");
     start();
     report("fixed q15", resize_poses_q24(), "resized");
+    start();
+    report_of("fconv f32", convolve(&tiny_net_f32), NETS, "convolved");
+    start();
+    report_of("fconv q7", convolve(&tiny_net_q7), NETS, "convolved");
     return 0;
 }

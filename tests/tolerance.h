@@ -28,6 +28,11 @@
 #define NET_Q15_TOLERANCE 1e-4F /* measured 0.06 mm */
 #define NET_Q7_TOLERANCE 4e-3F  /* measured 2.4 mm */
 
+/* ---- FConv, the small one of fconv_tiny.h ---- */
+#define FCONV_TOLERANCE 2e-6F     /* measured 2.4e-7; a few hundred sums of values to 8 */
+#define FCONV_Q7_TOLERANCE 1e-4F  /* activations rounded to 1/8192; measured 2.4e-5 */
+#define FCONV_LIFT_TOLERANCE 1e-4F
+
 /* ---- MDS ---- */
 #define MDS_TOLERANCE 5e-5F      /* 0.05 mm: the header's promise */
 #define MDS_FLAT_TOLERANCE 2e-3F /* root of a rounding error: sqrt(4e-6 m^2) */

@@ -7,6 +7,7 @@ or point EDMLIFT_LIBRARY at one.
 import ctypes
 import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,7 +49,8 @@ POSE_Q16 = np.dtype(
     ],
     align=True,
 )
-WORK_BYTES = 4096  # edml_work is at most this; a test holds it to that
+# edml_work and edml_fconv_work are at most this; tests hold them to that.
+WORK_BYTES, FCONV_WORK_BYTES = 4096, 24576
 
 
 @dataclass(frozen=True)
@@ -136,7 +138,8 @@ class Tracked(Poses):
 class Library:
     """The C library; `model` names one of its models, such as "fconn_f32".
 
-    With `fixed`, `lift` is edml_lift_q24, which takes quantised models.
+    With `fixed`, `lift` is edml_lift_q24, which takes quantised models.  Models named "fconv_..."
+    go through edml_lift_fconv and edml_lift_fconv_q24.
     """
 
     def __init__(self, model: str = "fconn_f32", path: Path | None = None, fixed: bool = False):
@@ -154,7 +157,12 @@ class Library:
             getattr(self._c, name).restype = result
         self.fixed = fixed
         self.model = ctypes.addressof(ctypes.c_char.in_dll(self._c, f"edml_{model}"))
-        self._work = ctypes.create_string_buffer(WORK_BYTES)
+        self._fconv = "fconv_" if model.startswith("fconv") else ""
+        self._work = ctypes.create_string_buffer(FCONV_WORK_BYTES if self._fconv else WORK_BYTES)
+
+    def has(self, model: str) -> bool:
+        """Is this one of the library's models?"""
+        return hasattr(self._c, f"edml_{model}")
 
     def status_name(self, status: int) -> str:
         return self._c.edml_status_name(status).decode()
@@ -163,10 +171,12 @@ class Library:
         """Lifts keypoints [F,14,3]: x, y in pixels and confidence."""
         keypoints = checked_keypoints(keypoints)
         if self.fixed:
-            poses, status = self._call(self._c.edml_lift_q24, to_q16(keypoints), POSE_Q16)
+            lift = getattr(self._c, f"edml_lift_{self._fconv}q24")
+            poses, status = self._call(lift, to_q16(keypoints), POSE_Q16)
             unit = np.float32(1 / 65536)
         else:
-            poses, status = self._call(self._c.edml_lift, keypoints, POSE)
+            lift = self._c.edml_lift_fconv if self._fconv else self._c.edml_lift
+            poses, status = self._call(lift, keypoints, POSE)
             unit = np.float32(1)
         return self._poses(poses, status, unit)
 
@@ -183,15 +193,23 @@ class Library:
         """Poses [F] and status [F] of a C function that lifts one."""
         poses = np.zeros(len(keypoints), pose)
         status = np.zeros(len(keypoints), np.int32)
-        model, work = ctypes.c_void_p(self.model), self._work
+        model = ctypes.c_void_p(self.model)
         source, target = keypoints.ctypes.data, poses.ctypes.data
-        for i in range(len(keypoints)):
-            status[i] = lift(
-                ctypes.c_void_p(target + i * pose.itemsize),
-                ctypes.c_void_p(source + i * keypoints.strides[0]),
-                model,
-                work,
-            )
+
+        def run(first: int) -> None:
+            work = ctypes.create_string_buffer(len(self._work))
+            for i in range(first, len(keypoints), threads):
+                status[i] = lift(
+                    ctypes.c_void_p(target + i * pose.itemsize),
+                    ctypes.c_void_p(source + i * keypoints.strides[0]),
+                    model,
+                    work,
+                )
+
+        # FConv is so slow that it is worth while to share the work: while C runs, so may another.
+        threads = (os.cpu_count() or 1) if self._fconv else 1
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(run, range(threads)))
         return poses, status
 
     def format(self, name: str) -> Format:
@@ -344,7 +362,7 @@ class Library:
     def net(self, edm: np.ndarray) -> np.ndarray:
         """Distances [91] in metres that the model predicts."""
         out = np.zeros(91, np.float32)
-        self._c.edml_net_f32(
+        getattr(self._c, f"edml_net_{self._fconv}f32")(
             _pointer(out), _pointer(_f32(edm)), ctypes.c_void_p(self.model), self._work
         )
         return out

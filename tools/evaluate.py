@@ -167,7 +167,7 @@ def examples(library: Lifter, motion: Motion) -> dict[str, np.ndarray]:
     return {"keypoints": column.keypoints[fine], "poses": joints, "truth": truth, "error": error}
 
 
-# The other forms of a model: its suffix, and whether all is in fixed point.
+# The other forms of a model, where it has them: its suffix, and whether all is in fixed point.
 FORMS = {
     "q15": ("q15", False),
     "q7": ("q7", False),
@@ -204,11 +204,12 @@ def lose(libraries: dict[str, Library], column: Column, subject: np.ndarray) -> 
 
 def evaluate_forms(model: str, motion: Motion) -> dict:
     """What the forms of a model lose: {form: {column: {figure: value}}}."""
-    libraries = {"f32": Library(f"{model}_f32")}
-    libraries |= {f: Library(f"{model}_{q}", fixed=fixed) for f, (q, fixed) in FORMS.items()}
+    libraries = {"f32": (plain := Library(f"{model}_f32"))}
+    forms = {f: form for f, form in FORMS.items() if plain.has(f"{model}_{form[0]}")}
+    libraries |= {f: Library(f"{model}_{q}", fixed=fixed) for f, (q, fixed) in forms.items()}
     bar = tqdm(views(motion.joints).items(), desc="number formats", disable=None)
     columns = {name: lose(libraries, column, motion.subject) for name, column in bar}
-    return {form: {name: columns[name][form] for name in columns} for form in FORMS}
+    return {form: {name: columns[name][form] for name in columns} for form in forms}
 
 
 def evaluate_rivals(train: Motion, test: Motion) -> dict:
@@ -248,12 +249,13 @@ FORM_ROWS = {
 def forms_markdown(figures: dict, forms: dict) -> str:
     """Two tables: the error that each form adds in each column; and how far it moves poses."""
     columns = list(figures)
+    titles = {form: FORM_ROWS[form] for form in forms}
     rows = {
         title: [signed(forms[form][name]["error"] - figures[name]["error"]) for name in columns]
-        for form, title in FORM_ROWS.items()
+        for form, title in titles.items()
     }
     moved = {}
-    for form, title in FORM_ROWS.items():
+    for form, title in titles.items():
         cells = forms[form].values()
         moved[title] = [
             max(c["moved"] for c in cells),
@@ -312,7 +314,7 @@ def note_errors(manifest: Path, figures: dict, forms: dict) -> None:
     """Writes the errors into a model's manifest, where the exporter finds them."""
     settings = json.loads(manifest.read_text())
     settings["metrics"] = noted(figures)
-    settings |= {f"metrics_{form}": noted(forms[form]) for form in ("q15", "q7")}
+    settings |= {f"metrics_{f}": noted(forms[f]) for f in ("q15", "q7") if f in forms}
     manifest.write_text(manifest_text(settings))
 
 

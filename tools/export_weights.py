@@ -2,11 +2,12 @@
 
     export_weights.py gen/fconn.npz
     export_weights.py gen/fconn.npz --quantise q15
+    export_weights.py gen/fconv.npz --quantise q7
     export_weights.py theirs.onnx --manifest theirs.json --name theirs --out gen/theirs_f32.h
 
-Reads every format of tools/weights.py.  What a model needs beside its layers comes from the
-manifest, the JSON file beside the weights.  The same layers and settings give the same header,
-whatever file they came from.
+Reads every format of tools/weights.py, and an .npz of tools/fconv_weights.py.  What a model needs
+beside its layers comes from the manifest, the JSON file beside the weights.  The same layers and
+settings give the same header, whatever file they came from.
 
 `--quantise` needs to know what the hidden layers reach: `--calibrate MOTION` measures it once, on
 views of the training people (an .npz or a folder that tools/mocap.py reads), and notes it in the
@@ -20,12 +21,13 @@ import json
 import os
 import re
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+import fconv_weights
 import quantise
 from weights import (
     PAIRS,
@@ -34,8 +36,10 @@ from weights import (
     Layer,
     check_layers,
     digest,
+    load_npz,
     manifest_text,
     one_line,
+    read_file,
     read_layers,
 )
 
@@ -45,6 +49,52 @@ ROWS = 8  # EDML_ROWS
 
 GEN = Path(__file__).resolve().parent.parent / "gen"
 OBJECTIVES = ("none", "square", "raw", "eq2")  # edml_objective: EDML_STRESS_NONE ...
+
+
+# ---- Kinds of networks -------------------------------------------------------------------------
+
+
+def dense_text(layers: Iterable[Layer]) -> str:
+    return "-".join(map(str, [PAIRS, *(len(layer.bias) for layer in layers)]))
+
+
+def fconv_text(layers: Sequence[Layer]) -> str:
+    both = zip(fconv_weights.NAMES, layers, strict=True)
+    return ", ".join(f"{name} {len(layer.bias)}" for name, layer in both)
+
+
+@dataclasses.dataclass(frozen=True)
+class Kind:
+    """What differs between an FConn and an FConv; each has a list of layers."""
+
+    name: str  # lib/NAME.inc
+    forms: tuple[str, ...]  # that it has a kernel for
+    shape: Callable[[Sequence[Layer]], str]  # as a text
+    multiply_adds: Callable[[Sequence[Layer]], int]
+    plan: quantise.Plan
+    # Weights [in, out] of layer k, their inputs as the kernel has them.
+    order: Callable[[int, np.ndarray], np.ndarray] = lambda k, weight: weight
+    # The exponent of a unit in which weights are short texts, or None.
+    unit: Callable[[np.ndarray], int | None] = lambda weight: None
+
+
+FCONN = Kind(
+    "fconn", ("f32", "q15", "q7"), dense_text, lambda layers: sum(x.weight.size for x in layers),
+    quantise.DENSE,
+)  # fmt: skip
+FCONV = Kind(
+    "fconv", ("f32", "q7"), fconv_text, fconv_weights.multiply_adds, fconv_weights.PLAN,
+    fconv_weights.as_c_has_it, fconv_weights.unit_of,
+)  # fmt: skip
+
+
+def read_network(path: Path) -> tuple[Kind, list[Layer]]:
+    """The layers in a file of weights, and what kind of network they make."""
+    if path.suffix.lower() == ".npz":
+        arrays = read_file(path, {".npz": load_npz})
+        if fconv_weights.is_fconv(arrays):
+            return FCONV, fconv_weights.layers_of(arrays)
+    return FCONN, read_layers(path)
 
 
 # ---- Settings ----------------------------------------------------------------------------------
@@ -153,10 +203,11 @@ def groups_of(outputs: int) -> int:
     return -(-outputs // ROWS)
 
 
-def pack(layer: Layer | quantise.Dense) -> Packed:
-    inputs, outputs = layer.weight.shape
+def pack(layer: Layer | quantise.Dense, weight: np.ndarray) -> Packed:
+    """The layer with its weights [in, out] in the kernel's order."""
+    inputs, outputs = weight.shape
     padding = groups_of(outputs) * ROWS - outputs
-    weight = np.pad(layer.weight, ((0, 0), (0, padding)))
+    weight = np.pad(weight, ((0, 0), (0, padding)))
     weight = np.ascontiguousarray(weight.reshape(inputs, -1, ROWS).transpose(1, 0, 2))
     arrays = {"weight": weight, "bias": np.pad(layer.bias, (0, padding))}
     if isinstance(layer, Layer):
@@ -179,9 +230,11 @@ def fnv1a(packed: Iterable[Packed]) -> int:
 
 
 def quantised(
-    layers: Sequence[Layer], settings: Settings, form: str
+    kind: Kind, layers: Sequence[Layer], settings: Settings, form: str
 ) -> tuple[list[quantise.Dense], dict[str, str]]:
     """The network in whole numbers, and what the header says of it: title -> text."""
+    if form not in kind.forms:
+        raise ExportError(f"an {kind.name} is quantised as {', '.join(kind.forms[1:])} only")
     calibration = settings.calibration
     if not calibration:
         raise ExportError("manifest: no calibration; run once with --calibrate TRAIN.npz")
@@ -190,7 +243,7 @@ def quantised(
     if settings.widest > quantise.WIDEST:
         raise ExportError(f"manifest: widest must be up to {quantise.WIDEST} to quantise")
     try:
-        network = quantise.quantise(layers, calibration, form)
+        network = quantise.quantise(layers, calibration, form, kind.plan)
         return network, quantised_lines(network, calibration, form)
     except (ArithmeticError, LookupError, TypeError, ValueError) as error:
         raise ExportError(f"manifest: damaged calibration: {one_line(error)}") from error
@@ -227,36 +280,37 @@ def write_header(
     source_name: str,
     path: Path,
     form: str = "f32",
+    kind: Kind = FCONN,
 ) -> str:
     """Writes the header of model edml_NAME_FORM and returns a line that sums it up.
 
-    layers       (weight [in, out], bias [out]), floating point
+    layers       (weight [in, out], bias [out]), floating point; of an FConv as layers_of() has them
     source_name  the file that the layers came from
     form         "f32", "q15" or "q7"
     Raises ExportError, and then leaves what was at `path` as it was.
     """
-    layers = check_layers(layers)
+    layers = check_layers(layers) if kind is FCONN else list(layers)
     if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name):
         raise ExportError(f"name '{name}' must be lower-case letters, digits, single underscores")
     model = f"{name}_{form}"
     if form == "f32":
         network, lines = layers, {"quantiser": "none (float32)"}
     else:
-        network, lines = quantised(layers, settings, form)
-    packed = [pack(layer) for layer in network]
+        network, lines = quantised(kind, layers, settings, form)
+    packed = [pack(layer, kind.order(k, layer.weight)) for k, layer in enumerate(network)]
     checksum = fnv1a(packed)
     parts = [
-        comment_text(layers, settings, model, source_name, form, lines),
+        comment_text(kind, layers, settings, model, source_name, form, lines),
         GUARD,
-        *(layer_text(layer, model, k) for k, layer in enumerate(packed)),
+        *(layer_text(layer, model, k, kind.unit) for k, layer in enumerate(packed)),
         table_text(packed, model, form),
-        model_text(settings, model, form, checksum, len(packed)),
+        model_text(kind, settings, model, form, checksum, len(packed)),
     ]
     replace_file(path, "\n".join(parts))
     flash = sum(array.nbytes for layer in packed for array in layer.arrays.values())
     said = "".join(f"\n  {title}: {text}" for title, text in lines.items() if form != "f32")
     return (
-        f"edml_{model}: {shape_text(layers)}, {parameter_count(layers)} parameters, "
+        f"edml_{model}: {kind.shape(layers)}, {parameter_count(layers)} parameters, "
         f"{flash} bytes of flash, checksum 0x{checksum:08x}: {path}{said}"
     )
 
@@ -269,6 +323,7 @@ GUARD = f"""\
 
 
 def comment_text(
+    kind: Kind,
     layers: Sequence[Layer],
     settings: Settings,
     model: str,
@@ -277,13 +332,12 @@ def comment_text(
     quantiser: Mapping[str, str],
 ) -> str:
     """What opens the header.  No date, no path: the same weights give the same text."""
-    multiply_adds = sum(layer.weight.size for layer in layers)
     recipe = settings.recipe
     errors = ", ".join(f"{column} {error:g}" for column, error in settings.errors(form).items())
     lines = {
-        "layers": f"{shape_text(layers)}, relu after each",
+        "layers": f"{kind.shape(layers)}, relu after each",
         "weights": f"sha256 {digest(layers)}",
-        "parameters": f"{parameter_count(layers)}, {multiply_adds} multiply-adds",
+        "parameters": f"{parameter_count(layers)}, {kind.multiply_adds(layers)} multiply-adds",
         **quantiser,
         "error, mm": errors or "not measured",
         **({} if form == "f32" else {"loss, mm": loss_text(settings, form)}),
@@ -304,32 +358,37 @@ def in_comment(text: str) -> str:
     return text.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?")
 
 
-def shape_text(layers: Iterable[Layer]) -> str:
-    return "-".join(map(str, [PAIRS, *(len(layer.bias) for layer in layers)]))
-
-
 def parameter_count(layers: Iterable[Layer]) -> int:
     return sum(array.size for layer in layers for array in layer)
 
 
-def layer_text(layer: Packed, model: str, number: int) -> str:
+def layer_text(
+    layer: Packed, model: str, number: int, unit_of: Callable[[np.ndarray], int | None]
+) -> str:
     """The arrays of a layer, weights first."""
     groups = groups_of(layer.outputs)
     sizes = {"weight": f"{groups} * {layer.inputs} * {ROWS}"}
-    return "".join(
-        array_text(f"{model}_{name}{number}", sizes.get(name, f"{groups} * {ROWS}"), array)
-        for name, array in layer.arrays.items()
-    )
+    text = ""
+    for name, array in layer.arrays.items():
+        size = sizes.get(name, f"{groups} * {ROWS}")
+        unit = unit_of(array) if name == "weight" and array.dtype.kind == "f" else None
+        text += array_text(f"{model}_{name}{number}", size, array, unit)
+    return text
 
 
-def array_text(name: str, size: str, values: np.ndarray) -> str:
-    """ROWS values a line: of weights, those of one input."""
+def array_text(name: str, size: str, values: np.ndarray, unit: int | None = None) -> str:
+    """ROWS values a line: of weights, those of one input.  With a unit, floats are whole multiples
+    of 2^unit, and a macro takes the place of the comma: half the text of hexadecimal floats."""
     kind, text = ("float", hex_float) if values.dtype.kind == "f" else (f"{values.dtype}_t", str)
     if values.dtype.itemsize < 4:
         kind += " EDML_IN_WORDS"
-    lines = (", ".join(map(text, row)) for row in values.reshape(-1, ROWS).tolist())
-    body = "".join(f"    {line},\n" for line in lines)
-    return f"static const {kind} {name}[{size}] = {{\n{body}}};\n"
+    before, after, comma = "", "", ", "
+    if unit is not None:
+        values, text, comma = np.rint(values / 2.0**unit).astype(int), str, " U "
+        before, after = f"#define U * 0x1p{unit}F,\n", "#undef U\n"
+    lines = (comma.join(map(text, row)) + comma[:-1] for row in values.reshape(-1, ROWS).tolist())
+    body = "".join(f"    {line}\n" for line in lines)
+    return f"{before}static const {kind} {name}[{size}] = {{\n{body}}};\n{after}"
 
 
 def hex_float(value: float) -> str:
@@ -350,22 +409,31 @@ def table_text(packed: Sequence[Packed], model: str, form: str) -> str:
     return f"static const edml_dense_{form} {model}_layers[] = {{\n{rows}}};\n"
 
 
-def model_text(settings: Settings, model: str, form: str, checksum: int, count: int) -> str:
+def network_text(kind: Kind, model: str, form: str, count: int) -> tuple[str, list[str]]:
+    """What stands before the model, and its members predict_f32 to layer_count."""
+    kernel, hash_name = f"edml__{kind.name}_{form}", f"edml__{kind.name}_hash_{form}"
+    kernels = [kernel, "NULL"] if form == "f32" else ["NULL", kernel]
+    if kind is FCONN:
+        return "", [*kernels, hash_name, f"{model}_layers", f"{count}, /* layers */"]
+    net = f"static const edml_fconv {model}_net = {{{', '.join(kernels)}, {model}_layers}};\n"
+    refused = ["edml__fconv_refuse", "NULL"]
+    return net, [*refused, hash_name, f"&{model}_net", "0, /* layers of edml_lift() */"]
+
+
+def model_text(
+    kind: Kind, settings: Settings, model: str, form: str, checksum: int, count: int
+) -> str:
     """The model itself.  By position, for C++ has no designated initialisers before 2020; and
     declared first, for C++ would keep a constant to its file."""
     mirror = ", ".join(map(number_text, settings.mirror))
-    predict = f"edml__fconn_{form}"
-    predict_f32, predict_q24 = (predict, "NULL") if form == "f32" else ("NULL", predict)
+    before, members = network_text(kind, model, form, count)
+    network = ",\n    ".join(members)
     return f"""\
-extern const edml_model edml_{model};
+{before}extern const edml_model edml_{model};
 const edml_model edml_{model} = {{
     "{model}",
     0x{checksum:08x}u, /* checksum */
-    {predict_f32},
-    {predict_q24},
-    edml__fconn_hash_{form},
-    {model}_layers,
-    {count}, /* layers */
+    {network}
     {settings.fewest_joints}, /* fewest joints */
     {number_text(settings.widest)}, /* widest: {settings.widest:g} */
     EDML_STRESS_{settings.objective.upper()},
@@ -395,7 +463,7 @@ def replace_file(path: Path, text: str) -> None:
 # ---- Command line ------------------------------------------------------------------------------
 
 
-def calibrate(layers: Sequence[Layer], manifest: Path, motion: Path) -> str:
+def calibrate(kind: Kind, layers: Sequence[Layer], manifest: Path, motion: Path) -> str:
     """Notes in the manifest what quantising needs, and returns a line that says it."""
     from mocap import MocapError
 
@@ -404,7 +472,7 @@ def calibrate(layers: Sequence[Layer], manifest: Path, motion: Path) -> str:
         edms = quantise.training_edms(motion, settings.recipe)
     except (MocapError, OSError, TypeError, ValueError) as error:
         raise ExportError(f"{motion}: {one_line(error)}") from error
-    noted = quantise.calibrate(layers, edms)
+    noted = quantise.calibrate(layers, edms, kind.plan)
     known = json.loads(manifest.read_text("utf-8"))
     replace_file(manifest, manifest_text(known | {"calibration": noted}))
     return f"{manifest}: hidden layers reach {noted['largest']} on {noted['views']} training views"
@@ -416,7 +484,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("weights", type=Path, help=" ".join(READERS))
-    parser.add_argument("--name", default="fconn", help="the model is edml_NAME_f32 (%(default)s)")
+    parser.add_argument("--name", help="the model is edml_NAME_f32 (fconn or fconv)")
     parser.add_argument("--out", type=Path, help="header to write (gen/NAME_f32.h)")
     parser.add_argument("--manifest", type=Path, help="settings (WEIGHTS with suffix .json)")
     parser.add_argument(
@@ -424,15 +492,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--calibrate", type=Path, metavar="MOTION", help="before that")
     options = parser.parse_args(arguments)
-    weights, name, form = options.weights, options.name, options.quantise or "f32"
+    weights, form = options.weights, options.quantise or "f32"
     manifest = options.manifest or weights.with_suffix(".json")
     try:
-        layers = read_layers(weights)
+        kind, layers = read_network(weights)
+        name = options.name or kind.name
         if options.calibrate:
-            print(calibrate(layers, manifest, options.calibrate))
+            print(calibrate(kind, layers, manifest, options.calibrate))
         settings = read_settings(manifest)
         out = options.out or GEN / f"{name}_{form}.h"
-        print(write_header(layers, settings, name, weights.name, out, form))
+        print(write_header(layers, settings, name, weights.name, out, form, kind))
     except ExportError as error:
         print(f"export_weights: {weights}: {error}", file=sys.stderr)
         return 1

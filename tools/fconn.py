@@ -43,3 +43,8 @@ def forward(
             keep = jax.random.bernoulli(jax.random.fold_in(key, layer), 1 - dropout, x.shape)
             x = jnp.where(keep, x / (1 - dropout), 0.0)
     return x, {}
+
+
+def shipped(params: Params) -> dict[str, np.ndarray]:
+    """The arrays of gen/fconn.npz."""
+    return {name: np.asarray(value) for name, value in params.items()}

@@ -13,6 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from fconv_weights import fold, shorten
 from skeleton import JOINTS, PAIRS
 
 COUNT = len(JOINTS)
@@ -85,6 +86,11 @@ def forward(
     z = x @ params["conv3_weight"] + params["conv3_bias"]
     z = jax.nn.relu((z + z.transpose(0, 2, 1)) / 2)
     return z[:, PAIRS[0], PAIRS[1]], running
+
+
+def shipped(params: Params) -> dict[str, np.ndarray]:
+    """The arrays of gen/fconv.npz: without batch normalisation, of short weights."""
+    return shorten(fold({name: np.asarray(value) for name, value in params.items()}))
 
 
 def conv1(x: jax.Array, weight: jax.Array) -> jax.Array:

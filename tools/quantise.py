@@ -7,7 +7,7 @@ overflow), and what each input of a layer is on average: times the rounding erro
 is how far its sum would be off on average, and the bias makes up for it.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -39,7 +39,35 @@ class Dense(NamedTuple):
     most: int
 
 
-def quantise(layers: Sequence[Layer], calibration: Mapping[str, Any], form: str) -> list[Dense]:
+Activate = Callable[[int, np.ndarray], np.ndarray]
+
+
+class Plan(NamedTuple):
+    """What quantising must know of a kind of network beyond its layers."""
+
+    # Layers, EDMs [F,91], and what makes the sums of layer k its output -> what goes into each
+    # layer, and the distances [F,91].  A layer may have several inputs a channel, its taps.
+    forward: Callable[[Sequence[Any], np.ndarray, Activate], list[np.ndarray]]
+    # Which share of the outputs of layer k each tap counts in, [taps].
+    shares: Callable[[int], np.ndarray] = lambda k: np.ones(1)
+    sums: int = 1  # of the last layer, of whose mean a distance is made
+    views: int | None = None  # to calibrate on; all
+
+
+def dense_forward(layers: Sequence[Any], edms: np.ndarray, activate: Activate) -> list[np.ndarray]:
+    """Plan.forward of fully connected layers."""
+    values = [edms]
+    for k, layer in enumerate(layers):
+        values.append(activate(k, values[-1] @ layer.weight.astype(float) + layer.bias))
+    return values
+
+
+DENSE = Plan(dense_forward)
+
+
+def quantise(
+    layers: Sequence[Layer], calibration: Mapping[str, Any], form: str, plan: Plan = DENSE
+) -> list[Dense]:
     """The network in whole numbers, "q15" or "q7"; raises ExportError where that cannot be."""
     largest = calibration["largest"]
     mean = [np.array(values, float) for values in calibration["mean"]]
@@ -47,13 +75,16 @@ def quantise(layers: Sequence[Layer], calibration: Mapping[str, Any], form: str)
         raise ExportError("calibration: a hidden layer is always zero, or not finite")
     if not all(np.isfinite(values).all() for values in mean):
         raise ExportError("calibration: a mean is not finite")
-    scales = [1 << EDM_SHIFT, *(ACTIVATION / (HEADROOM * x) for x in largest), METRE]
+    scales = [1 << EDM_SHIFT, *(ACTIVATION / (HEADROOM * x) for x in largest), METRE / plan.sums]
     dense = []
     for k, (weight, bias) in enumerate(equalised(layers)):
-        rows = Rows(weight, bias, mean[k], scales[k])
-        most = ACTIVATION if k < len(layers) - 1 else FARTHEST
+        inner = k < len(layers) - 1
+        inputs = (plan.shares(k)[:, None] * mean[k]).reshape(-1)
+        word = WORD if inner else WORD // plan.sums
+        rows = Rows(weight, bias, inputs, scales[k], word)
+        most = ACTIVATION if inner else FARTHEST
         dense.append(quantise_layer(rows, scales[k + 1], WEIGHT_TYPES[form], most))
-        prove(dense[k], k)
+        prove(dense[k], k, word)
     return dense
 
 
@@ -67,10 +98,11 @@ def equalised(layers: Sequence[Layer]) -> list[Layer]:
     even = [Layer(*(np.array(array, float, order="C") for array in layer)) for layer in layers]
     for k in range(len(even) - 1):
         unit, reader = even[k], even[k + 1]
-        peak = np.abs(reader.weight).max(1)
+        taps = reader.weight.reshape(-1, len(unit.bias), len(reader.bias))
+        peak = np.abs(taps).max((0, 2))
         size = np.sqrt(np.where(peak > 0, peak, 1))
         even[k] = Layer(unit.weight * size, unit.bias * size)
-        even[k + 1] = Layer(reader.weight / size[:, None], reader.bias)
+        even[k + 1] = Layer((taps / size[:, None]).reshape(reader.weight.shape), reader.bias)
     return even
 
 
@@ -81,6 +113,7 @@ class Rows(NamedTuple):
     bias: np.ndarray  # [out]
     mean: np.ndarray  # [in], of the input
     x_scale: float
+    word: int = WORD  # the sums stay below
 
     def rounded(self, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Whole numbers, still in double: weights times their row's scale [out], and biases."""
@@ -103,12 +136,12 @@ def quantise_layer(rows: Rows, y_scale: float, kind: type, most: int) -> Dense:
 
 def largest_scales(rows: Rows, most: int) -> np.ndarray:
     """The largest scale [out] of each row, by bisection, with which its weights stay within +-most
-    and its sums within 32 bits."""
+    and its sums within their word."""
     low = np.zeros(len(rows.bias))
     high = scale = most / np.maximum(np.abs(rows.weight).max(0), VANISHING)
     for _ in range(BISECTIONS):
         lowest, highest = sum_bounds(*rows.rounded(scale))
-        fits = (lowest >= -WORD) & (highest < WORD)
+        fits = (lowest >= -rows.word) & (highest < rows.word)
         low, high = np.where(fits, scale, low), np.where(fits, high, scale)
         scale = (low + high) / 2
     return low
@@ -125,28 +158,30 @@ def sum_bounds(weight: np.ndarray, bias: np.ndarray) -> tuple[np.ndarray, np.nda
     return bias + ACTIVATION * down, bias + ACTIVATION * up
 
 
-def prove(dense: Dense, number: int) -> None:
+def prove(dense: Dense, number: int, word: int = WORD) -> None:
     """Raises ExportError unless the C kernel computes the layer without overflow, whatever its
     input: in whole numbers, on what the header will hold."""
     lowest, highest = sum_bounds(dense.weight.astype(np.int64), dense.bias.astype(np.int64))
-    for row in np.flatnonzero((lowest < -WORD) | (highest >= WORD)):
+    for row in np.flatnonzero((lowest < -word) | (highest >= word)):
         raise ExportError(
             f"layer {number}: sums of row {row} reach {lowest[row]} to {highest[row]}, "
-            "beyond 32 bits"
+            f"beyond {word.bit_length()} bits"
         )
     if not (dense.factor > 0).all() or not 1 <= dense.shift <= 62:
         raise ExportError(f"layer {number}: factor or shift out of range")
 
 
-def run(network: Sequence[Dense], edm: np.ndarray) -> np.ndarray:
+def run(network: Sequence[Dense], edm: np.ndarray, plan: Plan = DENSE) -> np.ndarray:
     """Distances [F,91] that the C library computes from EDMs [F,91]: both whole numbers, Q24."""
     half = 1 << EDM_SHIFT >> 1
     x = np.minimum((edm.astype(np.int64) + half) >> EDM_SHIFT, ACTIVATION)
-    for dense in network:
-        total = x @ dense.weight.astype(np.int64) + dense.bias
-        y = (total * dense.factor + (1 << dense.shift - 1)) >> dense.shift
-        x = np.clip(y, 0, dense.most)
-    return x
+
+    def activate(k: int, sums: np.ndarray) -> np.ndarray:
+        dense = network[k]  # sums are exact in double
+        y = (sums.astype(np.int64) * dense.factor + (1 << dense.shift - 1)) >> dense.shift
+        return np.clip(y, 0, dense.most)
+
+    return plan.forward(network, x, activate)[-1]
 
 
 # ---- Calibration -------------------------------------------------------------------------------
@@ -167,26 +202,31 @@ def training_edms(motion: Path, recipe: Mapping[str, Any]) -> np.ndarray:
     return np.asarray(network.edm_2d(jnp.asarray(keypoints)), float)
 
 
-def activations(layers: Sequence[Layer], edms: np.ndarray) -> list[np.ndarray]:
+def activations(layers: Sequence[Layer], edms: np.ndarray, plan: Plan = DENSE) -> list[np.ndarray]:
     """What goes into each layer, and the distances: the float network on EDMs [F,91]."""
-    values = [edms]
-    for weight, bias in layers:
-        values.append(np.maximum(values[-1] @ weight.astype(float) + bias, 0))
-    return values
+
+    def activate(k: int, sums: np.ndarray) -> np.ndarray:
+        return np.maximum(sums, 0) / (1 if k < len(layers) - 1 else plan.sums)
+
+    return plan.forward(layers, edms, activate)
 
 
-def calibrate(layers: Sequence[Layer], edms: np.ndarray) -> dict[str, Any]:
+def calibrate(layers: Sequence[Layer], edms: np.ndarray, plan: Plan = DENSE) -> dict[str, Any]:
     """What quantising needs to know, and how well it does, on EDMs [F,91]: for the manifest."""
-    inputs, exact = activations(equalised(layers), edms)[:-1], activations(layers, edms)[-1]
+    if plan.views is not None and len(edms) > plan.views:
+        edms = edms[np.linspace(0, len(edms) - 1, plan.views).astype(int)]
+    exact = activations(layers, edms, plan)[-1]
+    inputs = activations(equalised(layers), edms, plan)[:-1]
     calibration = {
         "weights": digest(layers),
         "views": len(edms),
         "largest": [round(float(x.max()), 4) for x in inputs[1:]],
-        "mean": [x.mean(0).round(4).tolist() for x in inputs],
+        "mean": [x.reshape(-1, x.shape[-1]).mean(0).round(4).tolist() for x in inputs],
     }
     errors = {}
     for form in WEIGHT_TYPES:
-        distances = run(quantise(layers, calibration, form), np.rint(edms * METRE)) / METRE
+        network = quantise(layers, calibration, form, plan)
+        distances = run(network, np.rint(edms * METRE), plan) / METRE
         error = np.sqrt(np.mean((distances - exact) ** 2))
         percent = 100 * error / np.sqrt(np.mean(exact**2))
         errors[form] = {"mm": round(float(1000 * error), 3), "percent": round(float(percent), 3)}

@@ -57,6 +57,54 @@ def net(layers: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarra
     return x
 
 
+def fconv(params: dict[str, np.ndarray], x: np.ndarray) -> np.ndarray:
+    """FConv: [91] -> [91] metres; section 3.2.
+
+    params  arrays as tools/fconv_weights.py names them, with or without batch normalisation
+    """
+    params = {name: np.asarray(array, float) for name, array in params.items()}
+    maps = square(x)[:, :, None]
+    for name in ("conv1", "conv2"):
+        maps = convolve(maps, params[f"{name}_weight"]) + params[f"{name}_bias"]
+        bn = f"bn{name[-1]}"
+        if f"{bn}_scale" in params:
+            maps = (maps - params[f"{bn}_mean"]) / np.sqrt(params[f"{bn}_variance"] + 1e-5)
+            maps = maps * params[f"{bn}_scale"] + params[f"{bn}_shift"]
+        maps = pool(np.maximum(maps, 0))
+    for name, side in (("deconv1", 7), ("deconv2", 14)):
+        maps = convolve_transposed(maps, params[f"{name}_weight"], side) + params[f"{name}_bias"]
+        maps = np.maximum(maps, 0)
+    z = maps @ params["conv3_weight"] + params["conv3_bias"]
+    return np.maximum(z + z.T, 0)[PAIRS] / 2
+
+
+def convolve(maps: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """[n,n,in] and [7,7,in,out] -> [n,n,out]: cross-correlation, padded by 3."""
+    padded = np.pad(maps, ((3, 3), (3, 3), (0, 0)))
+    windows = np.lib.stride_tricks.sliding_window_view(padded, (7, 7), (0, 1))
+    return np.einsum("yxiuv,uvio->yxo", windows, weight)
+
+
+def pool(maps: np.ndarray) -> np.ndarray:
+    """The largest of each 2x2 pixels; at the end of an odd side, of what is there."""
+    return np.array(
+        [
+            [maps[y : y + 2, x : x + 2].max((0, 1)) for x in range(0, len(maps), 2)]
+            for y in range(0, len(maps), 2)
+        ]
+    )
+
+
+def convolve_transposed(maps: np.ndarray, weight: np.ndarray, side: int) -> np.ndarray:
+    """[n,n,in] and [7,7,in,out] -> [side,side,out]: each input adds its kernel, at twice its
+    place less 3."""
+    n, out = len(maps), weight.shape[-1]
+    whole = np.zeros((2 * n + 5, 2 * n + 5, out))
+    for y, x in np.ndindex(n, n):
+        whole[2 * y : 2 * y + 7, 2 * x : 2 * x + 7] += np.einsum("i,uvio->uvo", maps[y, x], weight)
+    return whole[3 : 3 + side, 3 : 3 + side]
+
+
 def square(values: np.ndarray) -> np.ndarray:
     """The symmetric [14,14] matrix of [91] values above the diagonal."""
     matrix = np.zeros((COUNT, COUNT))

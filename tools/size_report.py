@@ -33,6 +33,12 @@ VARIANTS = {
     "q7": ["-DMODEL=edml_fconn_q7"],
     "fixed": ["-DMODEL=edml_fconn_q15", "-DFIXED"],
 }
+FCONV = {  # a table of its own: a lift is 20 million instructions and more
+    ("cortex-m4f", "f32"): ["-DMODEL=edml_fconv_f32", "-DFCONV"],
+    ("cortex-m4f", "q7"): ["-DMODEL=edml_fconv_q7", "-DFCONV"],
+    ("cortex-m3", "fixed q7"): ["-DMODEL=edml_fconv_q7", "-DFCONV", "-DFIXED"],
+}
+FCONV_COLUMNS = ("core", "variant", "code", "weights", "work", "stack", "net", "lift")
 SUMMARY = [  # core, variant, its name, its errors in the model's manifest
     ("Cortex-M4F", "f32", "float", "metrics"),
     ("Cortex-M4F", "q15", "float, 16-bit network", "metrics_q15"),
@@ -82,15 +88,16 @@ def flash_sizes(link_map: str) -> dict[str, int]:
     return sizes
 
 
-def measure_variant(target: Target, variant: str, library: list[Path], folder: Path) -> Cost:
-    options = VARIANTS[variant]
+def measure_variant(
+    target: Target, variant: str, options: list[str], library: list[Path], folder: Path
+) -> Cost:
     link_map = folder / "map"
     smallest = build(
         BENCH / "smallest.c", target, LEVEL, folder / "smallest.elf", *options, "-nostartfiles",
         f"-Wl,--entry=main,-Map={link_map}", library=library,
     )  # fmt: skip
     symbols = run(f"{target.system.cross}nm", "--print-size", "--radix=d", smallest)
-    work = int(re.search(r"\d+ (\d+) b work\n", symbols)[1])
+    work = int(re.search(r"\d+ (\d+) b (?:fconv_)?work\n", symbols)[1])
     bench = build(
         BENCH / "target.c", target, LEVEL, folder / "bench.elf", *options,
         f"-DCOUNTS_PER_1000={target.counts}", library=library,
@@ -108,7 +115,10 @@ def measure_core(target: Target) -> list[Cost]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         library = compile_library(target, LEVEL, folder)
-        return [measure_variant(target, variant, library, folder) for variant in VARIANTS]
+        return [
+            measure_variant(target, variant, options, library, folder)
+            for variant, options in VARIANTS.items()
+        ]
 
 
 def measure(names: Iterable[str] = TARGETS) -> list[Cost]:
@@ -116,6 +126,19 @@ def measure(names: Iterable[str] = TARGETS) -> list[Cost]:
     with ThreadPoolExecutor(2) as pool:
         results = list(pool.map(measure_core, [TARGETS[name] for name in names]))
     return [cost for costs in results for cost in costs]
+
+
+def measure_fconv() -> list[Cost]:
+    """The rows of the other table.  An instruction takes less time than in the first, for the
+    counter of 24 bits to last."""
+    costs = []
+    for (name, variant), options in FCONV.items():
+        target = TARGETS[name]
+        target = dataclasses.replace(target, system=dataclasses.replace(target.system, icount=1))
+        with tempfile.TemporaryDirectory() as folder:
+            library = compile_library(target, LEVEL, Path(folder))
+            costs.append(measure_variant(target, variant, options, library, Path(folder)))
+    return costs
 
 
 # ---- Tables ----------------------------------------------------------------------------------
@@ -132,6 +155,12 @@ def markdown(head: list[str], rows: Iterable[list[str | int]]) -> str:
 def full_table(costs: list[Cost]) -> str:
     units = ["", "", *["bytes"] * (len(EXACT) - 2), *["instr."] * (len(COLUMNS) - len(EXACT))]
     return markdown(COLUMNS, [units, *(list(dataclasses.astuple(cost)) for cost in costs)])
+
+
+def fconv_table(costs: list[Cost]) -> str:
+    units = ["", "", *["bytes"] * 4, *["instr."] * 2]
+    rows = [[getattr(cost, name) for name in FCONV_COLUMNS] for cost in costs]
+    return markdown(list(FCONV_COLUMNS), [units, *rows])
 
 
 def parse(text: str) -> list[Cost]:
@@ -208,6 +237,17 @@ def check(measured: list[Cost]) -> None:
             raise Disagreement(f"README.md, {name}: not that of docs/costs.md")
 
 
+def check_fconv(measured: list[Cost]) -> None:
+    """Compares the table of FConv: sizes exactly, instructions within SLACK."""
+    rows = marks.read(COSTS, "fconv_costs").strip().splitlines()[3:]
+    for row, cost in zip(rows, measured, strict=True):
+        for name, cell in zip(FCONV_COLUMNS, row.strip("|").split("|"), strict=True):
+            old, new = cell.strip().replace(",", ""), getattr(cost, name)
+            exact = name not in ("net", "lift")
+            if old != str(new) and (exact or abs(int(old) - new) > SLACK * new):
+                raise Disagreement(f"FConv, {cost.core}, {name}: written {old}, measured {new}")
+
+
 def update(measured: list[Cost]) -> None:
     marks.write(COSTS, "costs", full_table(measured))
     marks.write(README, "size_report", readme_table(measured))
@@ -226,10 +266,16 @@ def main() -> int:
     try:
         costs = measure([args.core] if args.core else TARGETS)
         print(full_table(costs))
+        if args.core:
+            return 0
+        fconv = measure_fconv()
+        print(fconv_table(fconv))
         if args.check:
             check(costs)
+            check_fconv(fconv)
         if args.update:
             update(costs)
+            marks.write(COSTS, "fconv_costs", fconv_table(fconv))
     except (Disagreement, ToolError, OSError, ValueError) as error:
         print(f"size_report: {error}", file=sys.stderr)
         return 1

@@ -417,7 +417,7 @@ def by_column(curve: dict[int, dict[str, float]]) -> dict[str, list[float]]:
 
 def write(run: Run, name: str, held_out: list[int], out: Path):
     """Weights to `out` and the manifest beside it."""
-    arrays = {name: np.asarray(value) for name, value in run.params.items()}
+    arrays = run.network.shipped(run.params)
     out.parent.mkdir(parents=True, exist_ok=True)
     with out.open("wb") as file:
         np.savez(file, **arrays)

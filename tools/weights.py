@@ -32,13 +32,17 @@ class Layer(NamedTuple):
 # ---- Readers: path -> layers -------------------------------------------------------------------
 
 
-def read_npz(path: Path) -> list[Layer]:
-    """The project's own: weight0 [in, out], bias0 [out], weight1 ..."""
+def load_npz(path: Path) -> dict[str, np.ndarray]:
+    """The arrays of a file."""
     if not zipfile.is_zipfile(path):  # np.load would take it for a pickle
         raise ExportError("not a readable .npz file: no zip archive")
     with np.load(path, allow_pickle=False) as file:
-        arrays = {name: file[name] for name in file.files}
-    tensors = {}
+        return {name: file[name] for name in file.files}
+
+
+def read_npz(path: Path) -> list[Layer]:
+    """The project's own: weight0 [in, out], bias0 [out], weight1 ..."""
+    arrays, tensors = load_npz(path), {}
     for name, array in arrays.items():
         match = re.fullmatch(r"(weight|bias)(\d+)", name)
         if match is None:
@@ -286,20 +290,24 @@ READERS: dict[str, Callable[[Path], list[Layer]]] = {
 
 def read_layers(path: Path) -> list[Layer]:
     """The layers in a file of weights, fit for a header.  Raises ExportError, never another."""
-    reader = READERS.get(path.suffix.lower())
+    return check_layers(read_file(path, READERS))
+
+
+def read_file(path: Path, readers: Mapping[str, Callable[[Path], Any]]) -> Any:
+    """What the reader of its suffix makes of a file.  Raises ExportError, never another."""
+    reader = readers.get(path.suffix.lower())
     if reader is None:
-        raise ExportError(f"unknown suffix '{path.suffix}': one of {', '.join(READERS)}")
+        raise ExportError(f"unknown suffix '{path.suffix}': one of {', '.join(readers)}")
     if not path.is_file():
         raise ExportError("no such file")
     if path.stat().st_size == 0:
         raise ExportError("the file is empty")
     try:
-        layers = reader(path)
+        return reader(path)
     except ExportError:
         raise
     except Exception as error:  # a damaged file makes the libraries raise whatever they like
         raise ExportError(f"not a readable {path.suffix} file: {one_line(error)}") from error
-    return check_layers(layers)
 
 
 def one_line(error: Exception) -> str:

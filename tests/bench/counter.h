@@ -41,6 +41,7 @@ static void start_counter(void)
     SYST_RVR = SYSTICK_MOST;
     SYST_CVR = 0; /* the next tick loads SYSTICK_MOST */
     SYST_CSR = SYSTICK_RUNS;
+    while (SYST_CVR == 0) continue;
 }
 
 static uint32_t read_counter(void)

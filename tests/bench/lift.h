@@ -1,4 +1,5 @@
-/* One lift of a made-up pose: of edml_lift, or of edml_lift_q24 with -DFIXED; MODEL is the model.
+/* One lift of a made-up pose: of edml_lift, or of edml_lift_q24 with -DFIXED; of their twins for FConv
+ * with -DFCONV; MODEL is the model.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,6 +17,11 @@
 
 static keypoint in[EDML_JOINTS];
 static pose out;
+#ifdef FCONV
+static fconv_work_memory fconv_work;
+#define work (fconv_work.lift)
+STAGE stage_lift(void) { NAME(edml_lift_fconv)(&out, in, &MODEL, &fconv_work); }
+#else
 static work_memory work;
-
 STAGE stage_lift(void) { NAME(edml_lift)(&out, in, &MODEL, &work); }
+#endif

@@ -4,7 +4,11 @@
  */
 #include "lift.h"
 
+#ifdef FCONV
+enum { POSES = 4, STEPS = 10 }; /* its work hardly depends on the pose */
+#else
 enum { POSES = 64, STEPS = 10 };
+#endif
 
 static real edm[EDML_PAIRS], distance[EDML_PAIRS];
 static point x[EDML_JOINTS];
@@ -33,7 +37,11 @@ static void make_pose(int i)
 }
 
 STAGE stage_edm(void) { NAME(edml_edm)(edm, in, 10, SETTING(MODEL.widest)); }
+#ifdef FCONV
+STAGE stage_net(void) { NAME(edml_net_fconv)(distance, edm, &MODEL, &fconv_work); }
+#else
 STAGE stage_net(void) { NAME(edml_net)(distance, edm, &MODEL, &work); }
+#endif
 STAGE stage_mds(void) { NAME(edml_mds)(x, distance, &work); }
 STAGE stage_refine(void) { NAME(edml_refine)(x, distance, EDML_STRESS_SQUARE, STEPS, &work); }
 STAGE stage_mirror(void) { NAME(edml_mirror)(x, &MODEL); }

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import edmlift
+import reference
 
 ROOT = Path(__file__).resolve().parents[2]
 WALK = np.loadtxt(ROOT / "examples" / "data" / "walk.csv", delimiter=",").reshape(-1, 14, 3)
@@ -151,6 +152,26 @@ def test_fixed_point_has_the_same_statuses(fixed: edmlift.Library, mixed: np.nda
 
 def test_fixed_point_takes_quantised_models_alone():
     assert (edmlift.Library("fconn_f32", fixed=True).lift(WALK[:2]).status == "model").all()
+
+
+def test_fconv_goes_through_its_own_lift(mixed: np.ndarray):
+    lifts = [
+        edmlift.Library("fconv_f32"),
+        edmlift.Library("fconv_q7"),
+        edmlift.Library("fconv_q7", fixed=True),
+    ]
+    plain, *others = (library.lift(mixed) for library in lifts)
+    assert list(plain.status) == ["ok", "not_finite", "too_few_joints", "ok", "degenerate", "ok"]
+    for poses in others:
+        assert (poses.status == plain.status).all()
+        assert np.nanmean(np.abs(poses.joints - plain.joints)) < 0.05  # metres
+    with np.load(ROOT / "gen" / "fconv.npz") as file:
+        edm = np.linspace(0.1, 2.5, 91).astype(np.float32)
+        expected = reference.fconv(dict(file), edm)
+    assert np.abs(lifts[0].net(edm) - expected).max() < 1e-5
+    assert np.abs(lifts[1].net(edm) - expected).max() < 0.05
+    assert lifts[0].has("fconv_q7") and not lifts[0].has("fconv_q15")
+    assert (edmlift.Library("fconv_f32", fixed=True).lift(mixed[:1]).status == "model").all()
 
 
 def test_keypoints_become_whole_numbers():

@@ -2,12 +2,13 @@
 
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from builds import need, need_core
 
-from firmware import ROOT, TARGETS, Target, emulate, run
+from firmware import ROOT, SOURCES, TARGETS, Target, build, emulate, run
 
 EXAMPLE = ROOT / "examples" / "firmware"
 VARIANTS = ["float", "fixed"]
@@ -96,6 +97,19 @@ def test_fixed_point_has_no_float_code(core) -> None:
     assert float_code(images / "firmware_fixed.elf", TARGETS[name]) == set()
     found = float_code(images / "firmware_float.elf", TARGETS[name])
     assert len(found) >= 8, "the test sees what the float variant has"
+
+
+@pytest.mark.parametrize("name", NO_FPU)
+def test_fconv_in_fixed_point_has_no_float_code(name: str, tmp_path: Path) -> None:
+    target = TARGETS[name]
+    if name == "cortex-m0plus":  # its board is too small
+        target = replace(target, flash=TARGETS["cortex-m3"].flash, ram=TARGETS["cortex-m3"].ram)
+    need_core(target)
+    for fixed, model in ((True, "q7"), (False, "f32")):
+        options = [f"-DMODEL=edml_fconv_{model}", "-DFCONV", *(["-DFIXED"] if fixed else [])]
+        image = tmp_path / f"{model}.elf"
+        build(ROOT / "tests/bench/smallest.c", target, "-Os", image, *options, library=SOURCES)
+        assert (float_code(image, target) == set()) == fixed
 
 
 def test_vendored_with_its_makefile(tmp_path: Path, expected: dict[str, str]) -> None:

@@ -1,0 +1,31 @@
+/* What networks in whole numbers share.  Who includes this says `dense_layer` first.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_NET_INT_H
+#define EDML_NET_INT_H
+
+#include "model.h"
+
+typedef int32_t value;
+
+/* A distance of the EDM, 0 or more, from Q24 to Q12: to nearest, at most EDML_ACTIVATION. */
+static int32_t to_q12(int32_t q24)
+{
+    const int32_t q12 = ((q24 >> (EDML_EDM_SHIFT - 1)) + 1) >> 1;
+    return q12 < EDML_ACTIVATION ? q12 : EDML_ACTIVATION;
+}
+
+/* From a sum of a row, 0 to 2^31 - 1, to its activation: times factor / 2^shift, to nearest, at most
+ * `most`.  factor is 1 to 2^31 - 1, so that the product is below 2^62; shift is 1 to 62. */
+static int32_t rescaled(int32_t sum, const dense_layer *layer, int row)
+{
+    const uint64_t product = (uint64_t)(uint32_t)sum * (uint32_t)layer->factor[row];
+    const uint64_t scaled = ((product >> (layer->shift - 1)) + 1) >> 1;
+    return scaled < (uint32_t)layer->most ? (int32_t)scaled : layer->most;
+}
+
+#define HASH_FACTORS(hash, layer, rows) \
+    ((hash) = hash_values(hash, (layer)->factor, rows, sizeof *(layer)->factor))
+
+#endif

@@ -1,0 +1,284 @@
+/* fconv.inc and the lifts that use it, with a small network: against NumPy, and against its own stages.
+ * The shipped models are tested in tests/python/test_fconv.py.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <stdio.h>
+
+#include "fconv_tiny.h"
+#include "fconv_vectors.h"
+#include "helpers.h"
+
+enum { VECTORS = sizeof fconv_vectors / sizeof fconv_vectors[0] };
+
+static edml_model f32, q7;
+static edml_fconv_work work;
+static edml_fconv_work_q24 work_q24;
+static edml_keypoint in[EDML_JOINTS];
+static edml_keypoint_q16 in_q16[EDML_JOINTS];
+static edml_pose pose, again;
+
+static void make_models(void)
+{
+    f32 = tiny_model(&tiny_net_f32);
+    q7 = tiny_model(&tiny_net_q7);
+}
+
+static void load(float edm[EDML_PAIRS], int32_t edm_q24[EDML_PAIRS], int n)
+{
+    for (int k = 0; k < EDML_PAIRS; k++) {
+        edm[k] = (float)fconv_vectors[n].edm[k] / 4096.0F;
+        edm_q24[k] = fconv_vectors[n].edm[k] * 4096;
+    }
+}
+
+/* A person on whole pixels, by both kinds of numbers. */
+static void someone(uint32_t seed)
+{
+    rng r = rng_seed(seed);
+    edml_point x[EDML_JOINTS];
+    random_human(&r, x);
+    photograph(in, x);
+    if (seed % 3 == 0) in[seed % EDML_JOINTS].c = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        in[j].x = floorf(in[j].x);
+        in[j].y = floorf(in[j].y);
+        in_q16[j].x = (int32_t)in[j].x * 65536;
+        in_q16[j].y = (int32_t)in[j].y * 65536;
+        in_q16[j].c = (int16_t)(in[j].c > 0);
+    }
+}
+
+/* ---- The network --------------------------------------------------------------------------------- */
+
+static void the_float_network_is_numpys(void)
+{
+    float edm[EDML_PAIRS], distance[EDML_PAIRS], worst = 0;
+    int32_t whole[EDML_PAIRS];
+    for (int n = 0; n < VECTORS; n++) {
+        load(edm, whole, n);
+        edml_net_fconv_f32(distance, edm, &f32, &work);
+        for (int k = 0; k < EDML_PAIRS; k++)
+            worst = worse(worst, (float)fabs((double)distance[k] - fconv_vectors[n].distance[k]));
+    }
+    printf("FConv against NumPy, worst: %.3g\n", (double)worst);
+    TEST_ASSERT_ERROR_UP_TO(FCONV_TOLERANCE, worst);
+}
+
+static void whole_numbers_are_numpys_exactly(void)
+{
+    float edm[EDML_PAIRS], distance[EDML_PAIRS];
+    int32_t whole[EDML_PAIRS];
+    for (int n = 0; n < VECTORS; n++) {
+        load(edm, whole, n);
+        edml_net_fconv_q24(whole, whole, &q7, &work_q24); /* in place */
+        TEST_ASSERT_EQUAL_INT32_ARRAY(fconv_vectors[n].whole, whole, EDML_PAIRS);
+        edml_net_fconv_f32(distance, edm, &q7, &work);
+        for (int k = 0; k < EDML_PAIRS; k++)
+            TEST_ASSERT_TRUE(distance[k] == (float)fconv_vectors[n].whole[k] / 16777216.0F);
+    }
+}
+
+/* But for the last, whose activations are beyond the largest of Q12. */
+static void whole_numbers_are_near_floats(void)
+{
+    float worst = 0;
+    for (int n = 0; n < VECTORS - 1; n++)
+        for (int k = 0; k < EDML_PAIRS; k++)
+            worst = worse(worst, (float)fabs(fconv_vectors[n].whole[k] / 16777216.0 -
+                                             fconv_vectors[n].distance[k]));
+    printf("FConv in whole numbers beside float, worst: %.3g\n", (double)worst);
+    TEST_ASSERT_ERROR_UP_TO(FCONV_Q7_TOLERANCE, worst);
+}
+
+static void what_work_memory_held_does_not_matter(void)
+{
+    float edm[EDML_PAIRS], distance[EDML_PAIRS], other[EDML_PAIRS];
+    int32_t whole[EDML_PAIRS], whole_other[EDML_PAIRS];
+    load(edm, whole, 1);
+    memset(&work, 0, sizeof work);
+    edml_net_fconv_f32(distance, edm, &f32, &work);
+    memset(&work, 0xFF, sizeof work); /* NaN */
+    edml_net_fconv_f32(other, edm, &f32, &work);
+    TEST_ASSERT_SAME_BYTES(distance, other);
+    memset(&work_q24, 0x7F, sizeof work_q24);
+    edml_net_fconv_q24(whole_other, whole, &q7, &work_q24);
+    TEST_ASSERT_EQUAL_INT32_ARRAY(fconv_vectors[1].whole, whole_other, EDML_PAIRS);
+}
+
+static void input_beyond_any_edm_is_limited(void)
+{
+    int32_t edm[EDML_PAIRS], distance[EDML_PAIRS];
+    for (int n = 0; n < 2; n++) { /* 8, and the largest there is: both are 32767 in Q12 */
+        for (int k = 0; k < EDML_PAIRS; k++) edm[k] = n == 0 ? 8 << 24 : INT32_MAX;
+        edml_net_fconv_q24(distance, edm, &q7, &work_q24);
+        for (int k = 0; k < EDML_PAIRS; k++)
+            TEST_ASSERT_TRUE(distance[k] >= 0 && distance[k] <= 3 << 24);
+    }
+}
+
+static void distances_end_at_zero_and_three_metres(void)
+{
+    int32_t edm[EDML_PAIRS], distance[EDML_PAIRS];
+    float floats[EDML_PAIRS];
+    load(floats, edm, 0);
+    tiny_bias[4][0] = 100 << 21;
+    edml_net_fconv_q24(distance, edm, &q7, &work_q24);
+    for (int k = 0; k < EDML_PAIRS; k++) TEST_ASSERT_EQUAL_INT32(3 << 24, distance[k]);
+    tiny_bias[4][0] = -(100 << 21);
+    edml_net_fconv_q24(distance, edm, &q7, &work_q24);
+    for (int k = 0; k < EDML_PAIRS; k++) TEST_ASSERT_EQUAL_INT32(0, distance[k]);
+    tiny_bias_f32[4][0] = -100;
+    edml_net_fconv_f32(floats, floats, &f32, &work);
+    for (int k = 0; k < EDML_PAIRS; k++) TEST_ASSERT_TRUE(floats[k] == 0);
+    make_models();
+}
+
+/* ---- The lift ------------------------------------------------------------------------------------ */
+
+static void a_lift_is_its_stages(void)
+{
+    float edm[EDML_PAIRS], distance[EDML_PAIRS];
+    edml_point x[EDML_JOINTS];
+    for (uint32_t n = 0; n < 10; n++) {
+        someone(n);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_fconv(&pose, in, &f32, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_f32(edm, in, 10, 3));
+        edml_net_fconv_f32(distance, edm, &f32, &work);
+        edml_mds_f32(x, distance, &work.lift);
+        TEST_ASSERT_TRUE(edml_mirror_f32(x, &f32) == pose.mirror_margin);
+        edml_orient_f32(x, in, pose.seen);
+        TEST_ASSERT_EQUAL_MEMORY(x, pose.joint, sizeof x);
+    }
+}
+
+static void both_lifts_give_the_same_pose(void)
+{
+    edml_pose_q16 whole;
+    float worst = 0;
+    for (uint32_t n = 0; n < 10; n++) {
+        someone(n);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_fconv(&pose, in, &q7, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_fconv_q24(&whole, in_q16, &q7, &work_q24));
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            again.joint[j].x = (float)whole.joint[j].x / 65536.0F;
+            again.joint[j].y = (float)whole.joint[j].y / 65536.0F;
+            again.joint[j].z = (float)whole.joint[j].z / 65536.0F;
+        }
+        if (pose.mirror_margin > 0.01F)
+            worst = worse(worst, worst_joint_error(pose.joint, again.joint));
+        TEST_ASSERT_EQUAL_INT(pose.seen, whole.seen);
+    }
+    TEST_ASSERT_ERROR_UP_TO(FCONV_LIFT_TOLERANCE, worst);
+}
+
+static void bad_input_gets_its_status(void)
+{
+    someone(1);
+    memset(&pose, 0x55, sizeof pose);
+    again = pose;
+    in[3].x = NAN;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_lift_fconv(&pose, in, &f32, &work));
+    for (int j = 0; j < 5; j++) in[j].c = 0;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_TOO_FEW_JOINTS, edml_lift_fconv(&pose, in, &f32, &work));
+    someone(1);
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_fconv(NULL, in, &f32, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_fconv(&pose, NULL, &f32, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_fconv(&pose, in, NULL, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_fconv(&pose, in, &f32, NULL));
+    TEST_ASSERT_SAME_BYTES(again, pose);
+}
+
+/* ---- The wrong model ----------------------------------------------------------------------------- */
+
+static void each_lift_refuses_the_others_models(void)
+{
+    static edml_work plain;
+    static edml_work_q24 plain_q24;
+    static edml_track track, track_before;
+    edml_pose_q16 whole;
+    someone(2);
+    memset(&pose, 0x55, sizeof pose);
+    again = pose;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift(&pose, in, &f32, &plain));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift(&pose, in, &q7, &plain));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q24(&whole, in_q16, &f32, &plain_q24));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q24(&whole, in_q16, &q7, &plain_q24));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_fconv(&pose, in, &edml_fconn_f32, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_fconv(&pose, in, &edml_fconn_q7, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_fconv_q24(&whole, in_q16, &f32, &work_q24));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL,
+                          edml_lift_fconv_q24(&whole, in_q16, &edml_fconn_q7, &work_q24));
+    edml_track_start(&track);
+    track_before = track;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_track_lift(&pose, &track, in, 1, &f32, &plain));
+    TEST_ASSERT_SAME_BYTES(track_before, track);
+    TEST_ASSERT_SAME_BYTES(again, pose);
+}
+
+static void check_all_nan(const float distance[EDML_PAIRS])
+{
+    for (int k = 0; k < EDML_PAIRS; k++) TEST_ASSERT_TRUE(distance[k] != distance[k]);
+}
+
+static void the_stage_of_the_other_network_gives_nan(void)
+{
+    static edml_work plain;
+    float edm[EDML_PAIRS] = {0}, distance[EDML_PAIRS] = {0};
+    edml_net_f32(distance, edm, &f32, &plain);
+    check_all_nan(distance);
+    memset(distance, 0, sizeof distance);
+    edml_net_f32(distance, edm, &q7, &plain);
+    check_all_nan(distance);
+    memset(distance, 0, sizeof distance);
+    edml_net_fconv_f32(distance, edm, &edml_fconn_f32, &work);
+    check_all_nan(distance);
+    memset(distance, 0, sizeof distance);
+    edml_net_fconv_f32(distance, edm, &edml_fconn_q15, &work);
+    check_all_nan(distance);
+}
+
+static void check_flipped_byte(const edml_model *model, void *byte)
+{
+    uint8_t *at = byte;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(model));
+    *at ^= 1;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_model_check(model));
+    *at ^= 1;
+}
+
+static void one_flipped_bit_is_noticed(void)
+{
+    check_flipped_byte(&f32, &tiny_weight_f32[0][0]);
+    check_flipped_byte(&f32, &tiny_weight_f32[3][49 * 8 * 16 - 1]);
+    check_flipped_byte(&f32, &tiny_bias_f32[4][0]);
+    check_flipped_byte(&q7, &tiny_weight[4][0]);
+    check_flipped_byte(&q7, &tiny_bias[1][15]);
+    check_flipped_byte(&q7, &tiny_factor[2][7]);
+}
+
+static void work_memory_is_what_the_header_says(void)
+{
+    TEST_ASSERT_TRUE(sizeof work <= 22 * 1024);
+    TEST_ASSERT_TRUE(sizeof work_q24 <= 14 * 1024);
+}
+
+int main(void)
+{
+    make_models();
+    UNITY_BEGIN();
+    RUN_TEST(the_float_network_is_numpys);
+    RUN_TEST(whole_numbers_are_numpys_exactly);
+    RUN_TEST(whole_numbers_are_near_floats);
+    RUN_TEST(what_work_memory_held_does_not_matter);
+    RUN_TEST(input_beyond_any_edm_is_limited);
+    RUN_TEST(distances_end_at_zero_and_three_metres);
+    RUN_TEST(a_lift_is_its_stages);
+    RUN_TEST(both_lifts_give_the_same_pose);
+    RUN_TEST(bad_input_gets_its_status);
+    RUN_TEST(each_lift_refuses_the_others_models);
+    RUN_TEST(the_stage_of_the_other_network_gives_nan);
+    RUN_TEST(one_flipped_bit_is_noticed);
+    RUN_TEST(work_memory_is_what_the_header_says);
+    return UNITY_END();
+}
