@@ -51,8 +51,10 @@ class Recipe:
     distance_share: float = 0.5  # weight of the mean squared distance error, m^2, beside it
     average: float = 0.999  # the saved weights are an exponential moving average; 0: the last ones
     dropout: float = 0.0
+    iid: float = 0.5  # share of the poses with iid noise; the others get a detector's
     noise: float = 20.0  # pixels: iid noise is drawn with sigma up to this
     detector: float = 1.5  # detector-like noise is drawn up to this scale
+    least: float = 0.0  # share of either that every pose gets
     bodies: bool = True  # vary height and proportions
     masks: bool = True  # hide joints
     flip: bool = True  # mirror half of the motion: left-handed people, too
@@ -102,9 +104,8 @@ def draw_2d(joints: np.ndarray, recipe: Recipe, rng: np.random.Generator):
     truth = cameras.look(joints, rng)
     points = cameras.project(truth)
     count = len(points)
-    # Half of the poses get iid noise, half the detector's; each from none to the most.
-    strength = rng.random(count)
-    iid = rng.random(count) < 0.5
+    strength = recipe.least + (1 - recipe.least) * rng.random(count)
+    iid = rng.random(count) < recipe.iid
     points = cameras.gaussian_noise(points, np.where(iid, strength * recipe.noise, 0.0), rng)
     points = cameras.detector_noise(points, rng, np.where(iid, 0.0, strength * recipe.detector))
     adapted = rng.random(count) < recipe.adapted

@@ -1,0 +1,84 @@
+"""The paper's recipes: what they draw, a network trained and measured through C, and the tables."""
+
+import dataclasses
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_train import people
+
+import fconn
+import train
+import train_recipes
+from skeleton import JOINTS
+
+SCRIPT = Path(train_recipes.__file__)
+
+
+def write_motion(path: Path, count: int) -> Path:
+    motion = people(count)
+    np.savez(
+        path,
+        joints=motion.joints,
+        subject=motion.subject,
+        trial=motion.trial,
+        frame=motion.frame,
+        joint_names=np.array(JOINTS),
+        up="y",
+        unit="m",
+    )
+    return path
+
+
+def run(*arguments):
+    command = [sys.executable, SCRIPT, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_the_regimes_draw_what_they_say():
+    joints = people(2000).joints
+    off = {}
+    for name in list(train_recipes.RECIPES)[:3]:
+        recipe = train_recipes.RECIPES[name]
+        keypoints, truth = train.draw_2d(joints, recipe, np.random.default_rng(0))
+        exact = train.cameras.project(truth.astype(float))
+        off[name] = np.linalg.norm(keypoints[..., :2] - exact, axis=-1).max(1)
+    exact, detector, both = off.values()
+    assert exact.max() < 0.01
+    assert (detector > 1).all()
+    assert (both < 0.01).mean() == pytest.approx(0.5, abs=0.05)
+
+
+def test_the_library_of_a_network_is_that_network(tmp_path):
+    motion = people()
+    recipe = dataclasses.replace(train.Recipe(), l2_epochs=2, mds_epochs=0, batch=100)
+    weights = tmp_path / "0.npz"
+    trained = train_recipes.run_recipe(motion, recipe, 3, weights)
+    library = train_recipes.build(weights)
+    edm = np.random.default_rng(1).uniform(0, 2, 91).astype(np.float32)
+    expected = np.asarray(fconn.predict(trained.params, edm[None]))[0]
+    assert np.allclose(library.net(edm), expected, atol=1e-5)
+
+
+def test_the_command_trains_measures_and_writes_both_tables(tmp_path):
+    motion = write_motion(tmp_path / "motion.npz", 400)
+    page, results = tmp_path / "page.md", tmp_path / "results.json"
+    page.write_text("<!-- begin recipes -->\n<!-- end recipes -->\n")
+    names = list(train_recipes.RECIPES)[:2]
+    out = ("--out", tmp_path / "out", "--json", results, "--update", page)
+    done = run(motion, motion, "--epochs", 2, *out, "--recipes", *names[::-1])
+    assert done.returncode == 0, done.stderr
+    entries = json.loads(results.read_text())
+    assert list(entries) == names  # in the order of the recipes, not in that of the command
+    assert entries[names[0]]["figures"]["rand2"]["hidden_joints"] > 0
+    lines = page.read_text().splitlines()
+    assert sum(line.startswith(f"| {names[0]} |") for line in lines) == 2
+    assert "| hidden joints, mm | rand2 | right_arm" in page.read_text()
+
+
+def test_missing_motion_is_a_clear_error(tmp_path):
+    done = run(tmp_path / "none.npz", tmp_path / "none.npz", "--out", tmp_path / "out")
+    assert done.returncode == 1 and "none.npz" in done.stderr and "Traceback" not in done.stderr
