@@ -8,8 +8,8 @@
  * bits        of the rows' weights, layer by layer: 13 to 16, 13 to 16, 13 to 15
  * accumulator proven within 32 bits, 0.0 to spare
  * RMS error   0.125 mm, 0.017 %: its distances against float's, 39430 training views
- * error, mm   not measured
- * loss, mm    not measured
+ * error, mm   gt 54.3, n5 57.7, n10 67.6, n15 76.1, n20 87.8, cpm 63.6, rand2 70.3, right_arm 76.1, left_arm 75.9, right_leg 72.7, left_leg 70.6, rolled 54.2, close 60.2
+ * loss, mm    gt +0.0, n5 +0.0, n10 +0.0, n15 +0.0, n20 +0.0, cpm +0.0, rand2 +0.0, right_arm +0.0, left_arm +0.0, right_leg +0.0, left_leg +0.0, rolled +0.0, close +0.0
  * training    recipe mds, seed 0
  */
 

@@ -8,8 +8,8 @@
  * bits        of the rows' weights, layer by layer: 8 to 8, 8 to 8, 8 to 8
  * accumulator proven within 32 bits, 4.1 to spare
  * RMS error   3.513 mm, 0.484 %: its distances against float's, 39430 training views
- * error, mm   not measured
- * loss, mm    not measured
+ * error, mm   gt 54.6, n5 57.7, n10 67.6, n15 76.4, n20 87.8, cpm 63.6, rand2 70.2, right_arm 76.4, left_arm 76.3, right_leg 72.9, left_leg 71, rolled 54.3, close 60.2
+ * loss, mm    gt +0.3, n5 +0.0, n10 +0.0, n15 +0.3, n20 +0.0, cpm +0.0, rand2 -0.1, right_arm +0.3, left_arm +0.4, right_leg +0.2, left_leg +0.4, rolled +0.1, close +0.0
  * training    recipe mds, seed 0
  */
 

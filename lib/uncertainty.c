@@ -15,14 +15,14 @@ typedef struct {
     uint8_t lost[MOST_MISSING - 1]; /* not seen, nor a neighbour, by how many were not: from 2 on */
 } joint_error;
 
-static const joint_error head = {{57, 62, 65, 73, 83}, 78, {78, 85, 88}};
-static const joint_error neck = {{31, 34, 37, 41, 50}, 37, {35, 42, 44}};
-static const joint_error shoulder = {{41, 45, 47, 53, 62}, 55, {52, 54, 58}};
-static const joint_error elbow = {{59, 64, 66, 76, 88}, 83, {92, 97, 112}};
-static const joint_error wrist = {{90, 99, 106, 117, 148}, 165, {168, 188, 210}};
-static const joint_error hip = {{38, 42, 46, 51, 64}, 54, {49, 52, 59}};
-static const joint_error knee = {{64, 70, 78, 87, 109}, 102, {102, 117, 141}};
-static const joint_error ankle = {{94, 104, 116, 129, 163}, 156, {161, 188, 209}};
+static const joint_error head = {{59, 65, 68, 73, 82}, 80, {79, 84, 91}};
+static const joint_error neck = {{33, 36, 39, 42, 49}, 38, {37, 42, 45}};
+static const joint_error shoulder = {{43, 47, 50, 54, 60}, 57, {55, 56, 60}};
+static const joint_error elbow = {{62, 67, 69, 78, 81}, 87, {99, 101, 113}};
+static const joint_error wrist = {{96, 104, 111, 119, 136}, 171, {182, 193, 213}};
+static const joint_error hip = {{40, 44, 48, 52, 61}, 56, {54, 52, 60}};
+static const joint_error knee = {{66, 72, 80, 89, 106}, 106, {110, 120, 129}};
+static const joint_error ankle = {{98, 106, 119, 131, 154}, 161, {173, 194, 200}};
 
 static const joint_error *const errors[EDML_JOINTS] = {
     &head,  &neck, &shoulder, &elbow, &wrist, &shoulder, &elbow,
