@@ -43,6 +43,7 @@ RECIPES = {
     "without dropout": paper(masks=True, dropout=0.0, **detector),
     "our noise, bodies and motion, L2": l2(),
     "through the MDS": dataclasses.replace(l2(), l2_epochs=20, mds_epochs=480),
+    "the same, as long as FConv": dataclasses.replace(l2(), l2_epochs=5, mds_epochs=25),
 }
 
 
