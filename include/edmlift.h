@@ -84,7 +84,7 @@ typedef struct {
     X(EDML_ERR_NOT_FINITE, -2, "not_finite")         /* NaN or infinity in a joint, or in any c */ \
     X(EDML_ERR_TOO_FEW_JOINTS, -3, "too_few_joints") /* fewer seen than the model was trained for */ \
     X(EDML_ERR_DEGENERATE, -4, "degenerate")         /* on a point or line, or of no height */    \
-    X(EDML_ERR_UNUSUAL, -5, "unusual")               /* wider for its height than any training pose */ \
+    X(EDML_ERR_UNUSUAL, -5, "unusual")               /* wider for its height than the model takes */ \
     X(EDML_ERR_MODEL, -6, "model")                   /* the model's data do not match its checksum, or are floats \
                                                         where whole numbers are wanted, or it is another \
                                                         lift's */                             \
