@@ -34,8 +34,9 @@ static int read_numbers(float *numbers, int room, const char *p)
     return count;
 }
 
-static const char *read_csv(edml_keypoint in[], const char *line, const options *set)
+static const char *read_csv(edml_keypoint in[], double *time, const char *line, const options *set)
 {
+    (void)time;
     static char wrong[128];
     float numbers[3 * KEYPOINTS_MAX];
     const int keypoints = keypoints_of(set);

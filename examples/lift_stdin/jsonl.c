@@ -9,6 +9,8 @@
 #include "json.h"
 #include "lift_stdin.h"
 
+#define MOST_SECONDS 1e12 /* beyond, a double does not tell milliseconds apart */
+
 /* Is that the name of the member at p?  Names spelled with escapes are others. */
 static int is_named(const char *p, const char *name)
 {
@@ -61,13 +63,30 @@ static int read_keypoint(edml_keypoint *keypoint, const char *p, float threshold
     return 1;
 }
 
-static const char *read_jsonl(edml_keypoint in[], const char *line, const options *set)
+/* The member t of the object, seconds; or what is wrong. */
+static const char *read_time(double *time, const char *object)
+{
+    *time = -1;
+    for (const char *p = json_first(object); p != NULL; p = json_next(json_value_of(p))) {
+        if (!is_named(p, "t")) continue;
+        if (*time >= 0) return "has t twice";
+        const char *value = json_value_of(p);
+        if (*value < '0' || *value > '9') return "t is not a number of seconds, 0 or more";
+        *time = strtod(value, NULL);
+        if (!(*time < MOST_SECONDS)) return "t is not a number of seconds below 1e12";
+    }
+    return *time < 0 ? "has no t" : NULL;
+}
+
+static const char *read_jsonl(edml_keypoint in[], double *time, const char *line,
+                              const options *set)
 {
     static char wrong[128];
     const char *end = json_value(line, JSON_DEPTH), *why = NULL;
     if (*line != '{' || end == NULL || *json_skip(end) != '\0') return "not a JSON object";
     const char *keypoints = find_keypoints(line, &why, set);
     if (keypoints == NULL) return why;
+    if (set->track && set->fps == 0 && (why = read_time(time, line)) != NULL) return why;
     int count = 0;
     for (const char *p = json_first(keypoints); p != NULL; p = json_next(p), count++) {
         if (count >= keypoints_of(set)) continue;

@@ -21,7 +21,8 @@ typedef struct {
     float focal;               /* pixels; 0: not given */
     edml_camera camera;        /* fx 0: none */
     int sweep;                 /* look for the focal length */
-    float fps;                 /* of the video that the lines are; 0: they are none */
+    int track;                 /* the lines are a video ... */
+    float fps;                 /* ... of so many frames a second; 0: the lines have their times */
     edml_person owner;         /* height 0: not given */
     int quality;               /* tell it */
     int header, json, fixed;
@@ -53,11 +54,11 @@ static inline const char *name_of(const options *set)
     return set->format != NULL ? set->format->name : "a pose";
 }
 
-/* One kind of line.  `read` fills the keypoints and returns NULL, or what is wrong with the line;
- * `write` answers the line, which is NULL if it was bad. */
+/* One kind of line.  `read` fills the keypoints, and the time in seconds where lines have one, and
+ * returns NULL, or what is wrong with the line; `write` answers the line, which is NULL if it was bad. */
 typedef struct {
     int longest; /* bytes of a line */
-    const char *(*read)(edml_keypoint in[], const char *line, const options *set);
+    const char *(*read)(edml_keypoint in[], double *time, const char *line, const options *set);
     void (*write)(const char *line, const answer *out, const options *set);
 } line_format;
 

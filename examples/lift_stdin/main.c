@@ -67,14 +67,16 @@ static void place(answer *out, const edml_keypoint joints[EDML_JOINTS], const op
 typedef struct {
     edml_track track;
     unsigned long frame;
+    double time; /* of this line, seconds */
 } video;
 
 static edml_status lift_frame(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], video *before,
                               const options *set, edml_work *work)
 {
-    if (!(set->fps > 0)) return edml_lift(pose, in, set->model, work);
-    const double time_ms = floor(1000.0 * (double)before->frame / (double)set->fps);
-    const uint32_t time = (uint32_t)fmod(time_ms, 4294967296.0);
+    if (!set->track) return edml_lift(pose, in, set->model, work);
+    const double ms = set->fps > 0 ? 1000.0 * (double)before->frame / (double)set->fps
+                                   : 1000.0 * before->time + 0.5;
+    const uint32_t time = (uint32_t)fmod(floor(ms), 4294967296.0);
     return edml_track_lift(pose, &before->track, in, time, set->model, work);
 }
 
@@ -104,7 +106,7 @@ static const char *lift_line(const line_format *lines, const char *line, video *
 {
     edml_keypoint in[KEYPOINTS_MAX];
     answer out;
-    const char *wrong = lines->read(in, line, set);
+    const char *wrong = lines->read(in, &before->time, line, set);
     if (wrong != NULL) return wrong;
     const edml_status status = lift(&out, in, before, set);
     if (status != EDML_OK) ++*refused;
@@ -125,6 +127,7 @@ static unsigned long lift_lines(const line_format *lines, const options *set)
     video before;
     edml_track_start(&before.track);
     before.frame = 0;
+    before.time = 0;
     snprintf(too_long, sizeof too_long, "longer than %d bytes", lines->longest);
     while (!ferror(stdout) &&
            (result = read_line(buffer, (size_t)lines->longest, &length)) != LINE_END) {

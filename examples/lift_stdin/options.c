@@ -40,6 +40,7 @@ static const char usage[] =
     "                  [x,y], null or [null,null]; each comes out with all its members and \"status\",\n"
     "                  \"joints\":[[x,y,z],...], \"mirror_margin\" and \"residual\"\n"
     "  --track FPS     the lines are a video of one person, so many frames a second: steady its motion;\n"
+    "                  --track t: at the times that the objects of --json have, \"t\", in seconds;\n"
     "                  a line that is not a pose is a frame without one\n"
     "  --model NAME    network to use (default: the first of --list-models; with --fixed fconn_q15)\n"
     "  --fixed         lift in fixed point, as on a core without an FPU; coordinates must be within\n"
@@ -162,8 +163,10 @@ static void set_focal(options *set, const char *text)
 
 static void set_track(options *set, const char *text)
 {
+    set->track = 1;
+    if (strcmp(text, "t") == 0) return;
     if (read_list(&set->fps, 1, text) && set->fps >= 1 && set->fps <= 1000) return;
-    fprintf(stderr, "lift_stdin: --track must be 1 to 1000 frames a second, not '%s'\n", text);
+    fprintf(stderr, "lift_stdin: --track must be 1 to 1000 frames a second, or 't', not '%s'\n", text);
     exit(EXIT_TROUBLE);
 }
 
@@ -258,8 +261,9 @@ options read_options(char **argv)
     finish_camera(&set);
     if (!shares && set.focal == 0 && !set.sweep && set.width != 0)
         refuse("--image is for --focal, and for formats in shares of the image");
-    if (set.fixed && set.fps > 0) refuse("--track is in float, not for --fixed");
-    if (set.quality && set.fps > 0) refuse("--quality is of single lifts, not for --track");
+    if (set.fixed && set.track) refuse("--track is in float, not for --fixed");
+    if (set.quality && set.track) refuse("--quality is of single lifts, not for --track");
+    if (set.track && set.fps == 0 && !set.json) refuse("--track t is for --json, whose objects have a t");
     if (set.json && set.header) refuse("--header is not for --json");
     return set;
 }

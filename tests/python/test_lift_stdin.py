@@ -943,6 +943,45 @@ def test_bad_track(value: str):
     assert result.returncode == 2 and b"--track" in result.stderr and result.stdout == b""
 
 
+def test_track_at_the_times_of_the_objects():
+    times = np.array([0, 30, 70, 290, 290, 580, 610])  # milliseconds; a frame that is not later
+    frames = WALK[: len(times)]
+    lines = [as_json(pose, t=time / 1000 + 1.7e9) for pose, time in zip(frames, times, strict=True)]
+    answers = objects(run("\n".join(lines), "--json", "--track", "t"))
+    tracked = edmlift.Library().track().lift(frames, (times + 1.7e12) % 2**32)
+    assert [answer["status"] for answer in answers] == tracked.status.tolist()
+    assert tracked.status.tolist() == ["ok"] * 4 + ["time"] + ["ok"] * 2
+    joints = [answer["joints"] for answer in answers if answer["status"] == "ok"]
+    fine = tracked.status == "ok"
+    np.testing.assert_allclose(joints, tracked.joints[fine], rtol=1e-5, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    "members, wrong",
+    [
+        ({}, "has no t"),
+        ({"t": -1}, "0 or more"),
+        ({"t": "1"}, "0 or more"),
+        ({"t": None}, "0 or more"),
+        ({"t": 1e12}, "below 1e12"),
+    ],
+)
+def test_a_bad_time_is_a_bad_line(members: dict, wrong: str):
+    result = run(as_json(WALK[0], **members), "--json", "--track", "t")
+    assert result.returncode == 1 and wrong in result.stderr.decode()
+    assert objects(result)[0]["status"] == "bad_line"
+
+
+def test_a_time_twice_is_a_bad_line():
+    line = as_json(WALK[0], t=1)[:-1] + ', "t": 2}'
+    assert b"t twice" in run(line, "--json", "--track", "t").stderr
+
+
+def test_times_are_for_json():
+    result = run(GOOD, "--track", "t")
+    assert result.returncode == 2 and b"--json" in result.stderr and result.stdout == b""
+
+
 def test_track_is_not_in_fixed_point():
     result = run(GOOD, "--track", "30", "--fixed")
     assert result.returncode == 2 and b"--fixed" in result.stderr

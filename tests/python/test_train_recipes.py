@@ -79,6 +79,13 @@ def test_the_command_trains_measures_and_writes_both_tables(tmp_path):
     assert "| hidden joints, mm | rand2 | right_arm" in page.read_text()
 
 
+def test_the_page_has_the_results():
+    page = (SCRIPT.parents[1] / "docs" / "accuracy.md").read_text()
+    results = json.loads(train_recipes.RESULTS.read_text())
+    assert list(results) == list(train_recipes.RECIPES)
+    assert marks.read(page, "recipes").strip() == train_recipes.markdown(results).strip()
+
+
 def test_missing_motion_is_a_clear_error(tmp_path):
     done = run(tmp_path / "none.npz", tmp_path / "none.npz", "--out", tmp_path / "out")
     assert done.returncode == 1 and "none.npz" in done.stderr and "Traceback" not in done.stderr
