@@ -11,6 +11,7 @@ import pytest
 from test_train import people
 
 import fconn
+import marks
 import train
 import train_recipes
 from skeleton import JOINTS
@@ -80,7 +81,7 @@ def test_the_command_trains_measures_and_writes_both_tables(tmp_path):
 
 
 def test_the_page_has_the_results():
-    page = (SCRIPT.parents[1] / "docs" / "accuracy.md").read_text()
+    page = SCRIPT.parents[1] / "docs" / "accuracy.md"
     results = json.loads(train_recipes.RESULTS.read_text())
     assert list(results) == list(train_recipes.RECIPES)
     assert marks.read(page, "recipes").strip() == train_recipes.markdown(results).strip()
