@@ -90,9 +90,18 @@ def test_eigenpairs(library, predicted):
         assert np.abs(vectors @ vectors.T - np.eye(14)).max() < TOLERANCE["ORTHONORMAL_TOLERANCE"]
 
 
+def reach(distance):
+    """How far a pose may be off.  Where the fourth eigenvalue is within 2 % of the third, which axis is the
+    third is all but undecided, and rounding turns it: ten times as far."""
+    third, fourth = np.linalg.eigvalsh(reference.gram(distance))[[-3, -4]]
+    return POSITIONS if fourth < 0.98 * third else 10 * POSITIONS
+
+
 def test_mds(library, predicted):
-    worst = max(apart(library.mds(d), reference.mds(d)) for d in predicted)
-    assert worst < POSITIONS
+    reaches = np.array([reach(d) for d in predicted])
+    assert (reaches > POSITIONS).sum() <= 0.01 * len(predicted)
+    for d, most in zip(predicted, reaches, strict=True):
+        assert apart(library.mds(d), reference.mds(d)) < most
 
 
 @pytest.mark.parametrize("objective", ["square", "raw", "eq2"])
@@ -114,13 +123,13 @@ def test_refinement(library, predicted, objective):
     assert far <= 0.01 * COUNT
 
 
-def test_pose(library, model, keypoints):
+def test_pose(library, model, keypoints, predicted):
     poses = library.lift(keypoints)
     assert (poses.status == "ok").all()
-    for i, k in enumerate(keypoints):
+    for i, (k, d) in enumerate(zip(keypoints, predicted, strict=True)):
         joints, margin, residual = reference.lift(model, k.astype(float))
         if margin > 1e-3:  # else rounding decides the mirror image
-            assert np.linalg.norm(poses.joints[i] - joints, axis=1).max() < POSITIONS
+            assert np.linalg.norm(poses.joints[i] - joints, axis=1).max() < reach(d)
         assert poses.margin[i] == pytest.approx(margin, abs=1e-3)
         assert poses.residual[i] == pytest.approx(residual, abs=1e-5)
 
