@@ -13,12 +13,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from fconv_weights import fold, shorten
+from fconv_weights import CHANNELS, EPSILON, fold, shorten
+from fconv_weights import TAPS as WIDTH
 from skeleton import JOINTS, PAIRS
 
 COUNT = len(JOINTS)
-CHANNELS, WIDTH = 64, 7  # of every layer but the last; of its kernels
-EPSILON = 1e-5  # added to the variance
 MOMENTUM = 0.99  # of the running means and variances
 
 Params = dict[str, jax.Array]

@@ -90,18 +90,9 @@ def test_eigenpairs(library, predicted):
         assert np.abs(vectors @ vectors.T - np.eye(14)).max() < TOLERANCE["ORTHONORMAL_TOLERANCE"]
 
 
-def reach(distance):
-    """How far a pose may be off, metres.  Where the fourth eigenvalue is within 2 % of the third,
-    the third axis is all but undecided, and rounding turns it: ten times as far."""
-    third, fourth = np.linalg.eigvalsh(reference.gram(distance))[[-3, -4]]
-    return POSITIONS if fourth < 0.98 * third else 10 * POSITIONS
-
-
 def test_mds(library, predicted):
-    reaches = np.array([reach(d) for d in predicted])
-    assert (reaches > POSITIONS).sum() <= 0.01 * len(predicted)
-    for d, most in zip(predicted, reaches, strict=True):
-        assert apart(library.mds(d), reference.mds(d)) < most
+    worst = max(apart(library.mds(d), reference.mds(d)) for d in predicted)
+    assert worst < POSITIONS
 
 
 @pytest.mark.parametrize("objective", ["square", "raw", "eq2"])
@@ -124,13 +115,18 @@ def test_refinement(library, predicted, objective):
 
 
 def test_pose(library, model, keypoints, predicted):
+    """What the last bits of the float network alone do to a pose comes on top: 0.001 mm, but 0.03 in
+    one whose third and fourth eigenvalue are within 1 %."""
     poses = library.lift(keypoints)
     assert (poses.status == "ok").all()
-    for i, (k, d) in enumerate(zip(keypoints, predicted, strict=True)):
+    for i, (k, distance) in enumerate(zip(keypoints, predicted, strict=True)):
         joints, margin, residual = reference.lift(model, k.astype(float))
+        given = library.net(library.edm(k, model.fewest_joints, model.widest)[1])
+        rounding = apart(reference.mds(given.astype(float)), reference.mds(distance))
         if margin > 1e-3:  # else rounding decides the mirror image
-            assert np.linalg.norm(poses.joints[i] - joints, axis=1).max() < reach(d)
-        assert poses.margin[i] == pytest.approx(margin, abs=20 * reach(d))
+            off = np.linalg.norm(poses.joints[i] - joints, axis=1).max()
+            assert off < POSITIONS + rounding
+        assert poses.margin[i] == pytest.approx(margin, abs=20 * (POSITIONS + rounding))
         assert poses.residual[i] == pytest.approx(residual, abs=1e-5)
 
 

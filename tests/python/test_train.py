@@ -214,10 +214,9 @@ def run_train(*arguments):
     )
 
 
-def test_the_command_writes_weights_and_manifest(tmp_path):
-    motion = people()
+def write_motion(path: Path, motion: Motion) -> Path:
     np.savez(
-        tmp_path / "motion.npz",
+        path,
         joints=motion.joints,
         subject=motion.subject,
         trial=motion.trial,
@@ -226,8 +225,13 @@ def test_the_command_writes_weights_and_manifest(tmp_path):
         up="y",
         unit="m",
     )
+    return path
+
+
+def test_the_command_writes_weights_and_manifest(tmp_path):
+    path = write_motion(tmp_path / "motion.npz", people())
     out = tmp_path / "net.npz"
-    done = run_train(tmp_path / "motion.npz", "--out", out, "--epochs", 2, "--hold-out", 4)
+    done = run_train(path, "--out", out, "--epochs", 2, "--hold-out", 4)
     assert done.returncode == 0, done.stderr
     manifest = json.loads(out.with_suffix(".json").read_text())
     assert manifest["data"]["subjects"] == [1, 2, 3] and manifest["data"]["held_out"] == [4]

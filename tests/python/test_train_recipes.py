@@ -8,30 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_train import people
+from test_train import people, write_motion
 
 import fconn
 import marks
 import train
 import train_recipes
-from skeleton import JOINTS
 
 SCRIPT = Path(train_recipes.__file__)
-
-
-def write_motion(path: Path, count: int) -> Path:
-    motion = people(count)
-    np.savez(
-        path,
-        joints=motion.joints,
-        subject=motion.subject,
-        trial=motion.trial,
-        frame=motion.frame,
-        joint_names=np.array(JOINTS),
-        up="y",
-        unit="m",
-    )
-    return path
 
 
 def run(*arguments):
@@ -65,7 +49,7 @@ def test_the_library_of_a_network_is_that_network(tmp_path):
 
 
 def test_the_command_trains_measures_and_writes_both_tables(tmp_path):
-    motion = write_motion(tmp_path / "motion.npz", 400)
+    motion = write_motion(tmp_path / "motion.npz", people())
     page, results = tmp_path / "page.md", tmp_path / "results.json"
     page.write_text("<!-- begin recipes -->\n<!-- end recipes -->\n")
     names = list(train_recipes.RECIPES)[:2]
