@@ -115,8 +115,8 @@ def test_refinement(library, predicted, objective):
 
 
 def test_pose(library, model, keypoints, predicted):
-    """What the last bits of the float network alone do to a pose comes on top: 0.001 mm, but 0.03 in
-    one whose third and fourth eigenvalue are within 1 %."""
+    """What the last bits of the float network alone do to a pose comes on top: 0.001 mm, but 0.03
+    in one whose third and fourth eigenvalue are within 1 %."""
     poses = library.lift(keypoints)
     assert (poses.status == "ok").all()
     for i, (k, distance) in enumerate(zip(keypoints, predicted, strict=True)):
