@@ -13,7 +13,7 @@
  * training    recipe mds, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 2
+#if EDML_WEIGHTS_FORMAT != 3
 #error "regenerate with tools/export_weights.py"
 #endif
 
@@ -5186,4 +5186,5 @@ const edml_model edml_fconn_q7 = {
     EDML_STRESS_NONE,
     0, /* refinement steps */
     {{0x1.a38866p-2F, 6873625}, {0x1.b9999ap-1F, 14470349}, {0x1.22b02p0F, 19050529}, {0x1.8b020cp1F, 51774489}, {-0x1.5f319p1F, -46031648}}, /* mirror */
+    {{0, 0}, {0x1p0F, 16777216}, {0x1.0624dep-10F, 16777}}, /* blend: 0 of 1 m, at 1000 m */
 };

@@ -9,7 +9,7 @@
  * training    recipe mds, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 2
+#if EDML_WEIGHTS_FORMAT != 3
 #error "regenerate with tools/export_weights.py"
 #endif
 
@@ -75824,4 +75824,5 @@ const edml_model edml_fconv_f32 = {
     EDML_STRESS_NONE,
     0, /* refinement steps */
     {{0x1.19652cp-2F, 4610379}, {0x1.874538p-1F, 12821148}, {0x1.8ded28p-1F, 13039252}, {0x1.861134p1F, 51126888}, {-0x1.54538ep1F, -44607262}}, /* mirror */
+    {{0, 0}, {0x1p0F, 16777216}, {0x1.0624dep-10F, 16777}}, /* blend: 0 of 1 m, at 1000 m */
 };

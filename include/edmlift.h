@@ -464,6 +464,11 @@ float edml_mirror_f32(edml_point x[EDML_JOINTS], const edml_model *model);
 void edml_orient_f32(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS],
                      uint16_t seen);
 
+/* Moves the seen joints of a pose of edml_orient_f32() toward where the image has them, the less the
+ * more the two disagree; mid-hip stays the origin. */
+void edml_blend_f32(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
+                    const edml_model *model);
+
 /* ---- The stages in fixed point ------------------------------------------------------------- */
 
 /* What the stage of the same name above does, in Q24.  Ranges are narrower, and not checked:
@@ -505,6 +510,8 @@ int32_t edml_stress_q24(const edml_point_q24 x[EDML_JOINTS], const int32_t dista
 int32_t edml_mirror_q24(edml_point_q24 x[EDML_JOINTS], const edml_model *model);
 void edml_orient_q24(edml_point_q24 x[EDML_JOINTS], const edml_keypoint_q16 in[EDML_JOINTS],
                      uint16_t seen);
+void edml_blend_q24(edml_point_q24 x[EDML_JOINTS], const edml_keypoint_q16 in[EDML_JOINTS],
+                    uint16_t seen, const edml_model *model);
 
 /* ---- Work memory: public so that it can be allocated; its members are not part of the interface */
 

@@ -11,7 +11,7 @@
 
 /* Raised when the meaning of the generated data changes; a header of another format does not
  * compile. */
-#define EDML_WEIGHTS_FORMAT 2
+#define EDML_WEIGHTS_FORMAT 3
 
 enum {
     EDML_LAYER_WIDEST = 128, /* units of a layer that fit edml_work */
@@ -89,6 +89,7 @@ struct edml_model {
     uint8_t objective; /* edml_objective */
     uint8_t refine_steps;
     edml_number mirror[5]; /* weights of arms, forearms, head, thighs, shins: see mirror.inc */
+    edml_number blend[3];  /* share misfit^2, misfit^2, 1 / distance: see blend.inc */
 };
 
 /* The network of an FConv model; one kernel is NULL.  `layers`: EDML_FCONV_LAYERS of edml_dense_f32 or

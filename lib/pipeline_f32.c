@@ -14,5 +14,6 @@
 #include "torso.inc"
 #include "mirror.inc"
 #include "orient.inc"
+#include "blend.inc"
 
 #include "lift.inc"

@@ -14,4 +14,5 @@
 #include "torso.inc"
 #include "mirror.inc"
 #include "orient.inc"
+#include "blend.inc"
 #include "lift.inc"

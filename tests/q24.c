@@ -141,6 +141,15 @@ void q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], 
     all_floats(&x->x, &points->x, 3 * EDML_JOINTS);
 }
 
+void q24_blend(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
+               const edml_model *model)
+{
+    to_q16(keypoints, in);
+    all_q24(&points->x, &x->x, 3 * EDML_JOINTS);
+    edml_blend_q24(points, keypoints, seen, model);
+    all_floats(&x->x, &points->x, 3 * EDML_JOINTS);
+}
+
 edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
                      edml_work *work)
 {

@@ -27,6 +27,8 @@ float q24_stress(const edml_point x[EDML_JOINTS], const float distance[EDML_PAIR
                  edml_objective objective);
 float q24_mirror(edml_point x[EDML_JOINTS], const edml_model *model);
 void q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen);
+void q24_blend(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
+               const edml_model *model);
 edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
                      edml_work *work);
 void q24_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const edml_format *format);
@@ -52,6 +54,7 @@ edml_status q24_floor(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_p
 #define edml_stress_f32 q24_stress
 #define edml_mirror_f32 q24_mirror
 #define edml_orient_f32 q24_orient
+#define edml_blend_f32 q24_blend
 #define edml_lift q24_lift
 #define edml_adapt q24_adapt
 #define edml_place q24_place

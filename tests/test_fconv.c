@@ -148,6 +148,7 @@ static void a_lift_is_its_stages(void)
         edml_mds_f32(x, distance, &work.lift);
         TEST_ASSERT_TRUE(edml_mirror_f32(x, &f32) == pose.mirror_margin);
         edml_orient_f32(x, in, pose.seen);
+        edml_blend_f32(x, in, pose.seen, &f32);
         TEST_ASSERT_EQUAL_MEMORY(x, pose.joint, sizeof x);
     }
 }

@@ -175,6 +175,7 @@ static void a_lift_is_its_stages(void)
     again.mirror_margin = edml_mirror_f32(x, &edml_fconn_f32);
     again.seen = ALL_SEEN & ~(1 << EDML_R_KNEE);
     edml_orient_f32(x, in, again.seen);
+    edml_blend_f32(x, in, again.seen, &edml_fconn_f32);
     memcpy(again.joint, x, sizeof x);
     check_same_numbers();
 }

@@ -85,6 +85,7 @@ static void a_lift_is_its_stages(void)
         edml_mds_q24(x, distance, &other_work);
         const int32_t margin = edml_mirror_q24(x, &edml_fconn_q15);
         edml_orient_q24(x, in, ALL_SEEN);
+        edml_blend_q24(x, in, ALL_SEEN, &edml_fconn_q15);
         TEST_ASSERT_EQUAL_INT32((margin + 128) >> 8, pose.mirror_margin);
         for (int j = 0; j < EDML_JOINTS; j++) {
             TEST_ASSERT_EQUAL_INT32((x[j].x + 128) >> 8, pose.joint[j].x);

@@ -405,6 +405,18 @@ class Library:
         self._c.edml_orient_f32(_pointer(out), _pointer(_f32(keypoints)), ctypes.c_uint16(seen))
         return out
 
+    def blend(self, points: np.ndarray, keypoints: np.ndarray) -> np.ndarray:
+        """The mean of points [14,3] of orient() and their image, weighted as the model says."""
+        out = _f32(points).copy()
+        seen = sum(1 << j for j in range(14) if keypoints[j, 2] > 0)
+        self._c.edml_blend_f32(
+            _pointer(out),
+            _pointer(_f32(keypoints)),
+            ctypes.c_uint16(seen),
+            ctypes.c_void_p(self.model),
+        )
+        return out
+
 
 class Track:
     """edml_track: lifts the frames of a video.  `state`, a TRACK, holds its settings, too."""

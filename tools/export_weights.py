@@ -30,6 +30,7 @@ import numpy as np
 import fconv_weights
 import quantise
 from weights import (
+    NO_BLEND,
     PAIRS,
     READERS,
     ExportError,
@@ -44,7 +45,7 @@ from weights import (
 )
 
 # What lib/model.h fixes; the header refuses to compile with another format.
-FORMAT = 2
+FORMAT = 3
 ROWS = 8  # EDML_ROWS
 
 GEN = Path(__file__).resolve().parent.parent / "gen"
@@ -100,6 +101,19 @@ def read_network(path: Path) -> tuple[Kind, list[Layer]]:
 # ---- Settings ----------------------------------------------------------------------------------
 
 
+BLEND_RANGES = "share 0 to 1, misfit 0.01 to 1 and distance 3 to 1000"
+
+
+def is_blend(value: object) -> bool:
+    """Are these numbers of lib/blend.inc?  Beyond the ranges fixed point might overflow."""
+    if not (isinstance(value, Mapping) and set(value) == set(NO_BLEND)):
+        return False
+    if not all(map(is_real, value.values())):
+        return False
+    share, misfit, distance = (value[name] for name in NO_BLEND)
+    return 0 <= share <= 1 and 0.01 <= misfit <= 1 and 3 <= distance <= 1000
+
+
 @dataclasses.dataclass(frozen=True)
 class Settings:
     """What belongs to a model beside its layers.  Raises ExportError where a value cannot be."""
@@ -109,6 +123,7 @@ class Settings:
     objective: str  # of the refinement, one of OBJECTIVES
     refine_steps: int
     mirror: Sequence[float]  # weights of arms, forearms, head, thighs, shins
+    blend: Mapping[str, float] = dataclasses.field(default_factory=lambda: dict(NO_BLEND))
     recipe: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # at least name and seed
     data: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     metrics: Mapping[str, float] = dataclasses.field(default_factory=dict)  # column -> mm
@@ -126,6 +141,7 @@ class Settings:
         mirror = isinstance(self.mirror, list | tuple) and len(self.mirror) == 5
         mirror = mirror and all(map(is_number, self.mirror))
         check_setting("mirror", mirror, "five numbers between -128 and 128")
+        check_setting("blend", is_blend(self.blend), BLEND_RANGES)
         for name in ("recipe", "data", "calibration", *METRICS.values()):
             check_setting(name, isinstance(getattr(self, name), Mapping), "an object")
         for name in METRICS.values():
@@ -426,6 +442,8 @@ def model_text(
     """The model itself.  By position, for C++ has no designated initialisers before 2020; and
     declared first, for C++ would keep a constant to its file."""
     mirror = ", ".join(map(number_text, settings.mirror))
+    share, misfit, distance = (settings.blend[name] for name in NO_BLEND)
+    blend = ", ".join(map(number_text, (share * misfit**2, misfit**2, 1 / distance)))
     before, members = network_text(kind, model, form, count)
     network = ",\n    ".join(members)
     return f"""\
@@ -439,6 +457,7 @@ const edml_model edml_{model} = {{
     EDML_STRESS_{settings.objective.upper()},
     {settings.refine_steps}, /* refinement steps */
     {{{mirror}}}, /* mirror */
+    {{{blend}}}, /* blend: {share:g} of {misfit:g} m, at {distance:g} m */
 }};
 """
 

@@ -36,7 +36,7 @@ def forward(
     """The same with dropout behind each hidden layer; and what of the parameters is not trained
     but observed, which is nothing."""
     x = edm
-    last = len(params) // 2 - 1
+    last = sum(name.startswith("weight") for name in params) - 1
     for layer in range(last + 1):
         x = jax.nn.relu(x @ params[f"weight{layer}"] + params[f"bias{layer}"])
         if dropout > 0 and layer < last:
@@ -47,4 +47,5 @@ def forward(
 
 def shipped(params: Params) -> dict[str, np.ndarray]:
     """The arrays of gen/fconn.npz."""
-    return {name: np.asarray(value) for name, value in params.items()}
+    layers = {n: np.asarray(v) for n, v in params.items() if n.startswith(("weight", "bias"))}
+    return layers

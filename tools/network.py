@@ -1,4 +1,4 @@
-"""The differentiable half of the pipeline, in JAX: keypoints -> EDM, and EDM -> points.
+"""The differentiable half of the pipeline, in JAX: keypoints -> EDM, and EDM -> pose.
 
 The networks between them are fconn.py and fconv.py.
 
@@ -8,9 +8,18 @@ Only training uses it; figures and poses that a table reports come from the C li
 import jax
 import jax.numpy as jnp
 
+from reference import LEAST, LIGHT
 from skeleton import JOINTS, PAIRS
 
 COUNT = len(JOINTS)
+TINY = 1e-9
+
+
+def box(keypoints: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Least and largest x and y of the joints that are seen: [B,14,3] -> [B,2] each."""
+    seen, points = keypoints[..., 2:] > 0, keypoints[..., :2]
+    low = jnp.min(jnp.where(seen, points, jnp.inf), 1)
+    return low, jnp.max(jnp.where(seen, points, -jnp.inf), 1)
 
 
 def edm_2d(keypoints: jax.Array) -> jax.Array:
@@ -20,11 +29,9 @@ def edm_2d(keypoints: jax.Array) -> jax.Array:
     half the vertical extent of the seen joints.  Pairs with a joint that is not seen are zero.
     """
     seen = keypoints[..., 2] > 0
-    y = keypoints[..., 1]
-    top = jnp.min(jnp.where(seen, y, jnp.inf), 1)
-    bottom = jnp.max(jnp.where(seen, y, -jnp.inf), 1)
+    low, high = box(keypoints)
     delta = keypoints[:, PAIRS[0], :2] - keypoints[:, PAIRS[1], :2]
-    distance = jnp.sqrt(jnp.sum(delta**2, -1)) / ((bottom - top) / 2)[:, None]
+    distance = jnp.sqrt(jnp.sum(delta**2, -1)) / ((high - low)[:, 1:] / 2)
     return jnp.where(seen[:, PAIRS[0]] & seen[:, PAIRS[1]], distance, 0.0)
 
 
@@ -68,6 +75,82 @@ def classical_mds(distances: jax.Array) -> jax.Array:
     row = squared.mean(1, keepdims=True)
     gram = -0.5 * (squared - row - row.transpose(0, 2, 1) + row.mean(2, keepdims=True))
     return top_three(gram)
+
+
+def about_mean(points: jax.Array, seen: jax.Array) -> jax.Array:
+    """[B,14,n] less the mean of the joints that are seen, [B,14,1]."""
+    return points - jnp.sum(points * seen, 1, keepdims=True) / jnp.sum(seen, 1, keepdims=True)
+
+
+def nearest_axes(rows: jax.Array) -> jax.Array:
+    """The orthonormal pair nearest to two rows, in closed form: [B,2,3] -> [B,2,3]."""
+    rows = rows / jnp.sqrt(jnp.sum(rows**2, (1, 2), keepdims=True) + TINY)
+    products = jnp.einsum("bki,bli->bkl", rows, rows)
+    a, b, c = products[:, 0, 0, None], products[:, 0, 1, None], products[:, 1, 1, None]
+    root = jnp.sqrt(jnp.maximum(a * c - b * b, TINY))
+    pair = jnp.stack(
+        [(c + root) * rows[:, 0] - b * rows[:, 1], (a + root) * rows[:, 1] - b * rows[:, 0]], 1
+    )
+    return pair / jnp.sqrt(jnp.sum(pair**2, 2, keepdims=True) + TINY)
+
+
+def orient(points: jax.Array, keypoints: jax.Array) -> jax.Array:
+    """lib/orient.inc: [B,14,3] turned to the camera of keypoints [B,14,3]; mean of the seen at 0."""
+    seen = (keypoints[..., 2:] > 0).astype(points.dtype)
+    points = about_mean(points, seen)
+    image = about_mean(keypoints[..., :2], seen) * seen
+    squares = jnp.einsum("bni,bnj->bij", points * seen, points)
+    spread = jnp.trace(squares, axis1=1, axis2=2)[:, None, None]
+    squares = squares / spread
+    size = jnp.sqrt(spread * jnp.sum(image**2, (1, 2), keepdims=True))
+    products = jnp.einsum("bni,bnk->bik", points, image) / size
+
+    def rows(ridge):
+        solution = jnp.linalg.solve(squares + ridge * jnp.eye(3), products)
+        return nearest_axes(solution.transpose(0, 2, 1))
+
+    pair = rows(LIGHT)
+    across = jnp.einsum("bki,bij,bkj->b", pair, squares, pair)
+    fit = jnp.einsum("bki,bik->b", pair, products)
+    misfit = across * (across - fit**2) / jnp.maximum(fit**2, TINY)
+    misfit = jnp.where(fit > 0, jnp.clip(misfit, 0, 1), 1.0)
+    right, down = (rows(LEAST + misfit[:, None, None])[:, k] for k in range(2))
+    axes = jnp.stack([right, down, jnp.cross(right, down)], 1)
+    return jnp.einsum("bki,bni->bnk", axes, points)
+
+
+# What blend() takes, as it is trained: [share's log-odds, log of the misfit, log of the distance].
+BLEND = jnp.array([1.4, -2.7, 1.5])
+
+
+def blend_settings(trained: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Share (0 to 1), misfit (metres) and distance (metres) of the trained numbers."""
+    return jax.nn.sigmoid(trained[0]), jnp.exp(trained[1]), jnp.exp(trained[2])
+
+
+def blend(points: jax.Array, keypoints: jax.Array, trained: jax.Array) -> jax.Array:
+    """lib/blend.inc: poses of orient() with the seen joints moved to where the image has them."""
+    share, misfit, distance = blend_settings(trained)
+    middle = sum(box(keypoints))[:, None] / 2
+    seen = (keypoints[..., 2:] > 0).astype(points.dtype)
+    image = (keypoints[..., :2] - middle) * (1 + points[..., 2:] / distance)
+    image = about_mean(image, seen) * seen
+    flat = points[..., :2] * seen
+    scale = jnp.sum(flat * image, (1, 2), keepdims=True) / jnp.sum(image**2, (1, 2), keepdims=True)
+    off = scale * image - flat
+    square = jnp.sum(off**2, (1, 2), keepdims=True) / jnp.sum(seen, 1, keepdims=True)
+    part = share * misfit**2 / (misfit**2 + square)
+    return points.at[..., :2].add(part * off)
+
+
+def poses(distances: jax.Array, keypoints: jax.Array, truth: jax.Array, trained: jax.Array):
+    """The pipeline behind the network, with the true mirror image: distances [B,91], keypoints
+    and truth [B,14,3] -> [B,14,3] in camera axes, about the mean of the seen joints."""
+    points = orient(classical_mds(distances), keypoints)
+    depth = truth[..., 2] - truth[..., 2].mean(1, keepdims=True)
+    behind = jnp.sum(points[..., 2] * depth, 1) < 0
+    points = points.at[..., 2].multiply(jnp.where(behind, -1.0, 1.0)[:, None])
+    return blend(points, keypoints, trained)
 
 
 def joint_errors(points: jax.Array, truth: jax.Array, mirror: bool = True) -> jax.Array:

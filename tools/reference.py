@@ -27,6 +27,7 @@ class Model:
     objective: str
     refine_steps: int
     mirror: np.ndarray
+    blend: dict[str, float]  # the last three arguments of blend()
 
 
 def edm(keypoints: np.ndarray, fewest: int, widest: float) -> np.ndarray:
@@ -342,9 +343,31 @@ def orient(points: np.ndarray, keypoints: np.ndarray) -> np.ndarray:
     return points - mid_hip(points)
 
 
+def blend(
+    points: np.ndarray, keypoints: np.ndarray, share: float, misfit: float, distance: float
+) -> np.ndarray:
+    """Weighted mean of a pose of orient() and its image across the axis; root at mid-hip.
+
+    The image is that of the joints at the depth of their middle, seen from `distance`; its weight
+    is share / (1 + square / misfit^2), square being the mean square of the disagreement.
+    """
+    seen = keypoints[:, 2] > 0
+    points = points - points[seen].mean(0)
+    image = keypoints[seen, :2] - (keypoints[seen, :2].max(0) + keypoints[seen, :2].min(0)) / 2
+    image = image * (1 + points[seen, 2:] / distance)
+    image = image - image.mean(0)
+    scale = np.sum(points[seen, :2] * image) / np.sum(image**2)
+    if scale > 0:
+        off = scale * image - points[seen, :2]
+        square = np.sum(off**2) / seen.sum()
+        points[seen, :2] += share / (1 + square / misfit**2) * off
+    return points - mid_hip(points)
+
+
 def lift(model: Model, keypoints: np.ndarray) -> tuple[np.ndarray, float, float]:
     """Pose [14,3], mirror margin and residual of keypoints [14,3]; raises Refused."""
     distance = net(model.layers, edm(keypoints, model.fewest_joints, model.widest))
     points = refine(mds(distance), distance, model.objective, model.refine_steps)
     points, margin = mirror(points, model.mirror)
-    return orient(points, keypoints), margin, np.sqrt(stress(points, distance, "raw"))
+    pose = blend(orient(points, keypoints), keypoints, **model.blend)
+    return pose, margin, np.sqrt(stress(points, distance, "raw"))

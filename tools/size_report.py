@@ -64,6 +64,7 @@ class Cost:
     mds: int
     mirror: int
     orient: int
+    blend: int
     lift: int
     place: int
 

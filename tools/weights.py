@@ -17,6 +17,9 @@ import numpy as np
 PAIRS = 91  # EDML_PAIRS
 WIDEST = 128  # EDML_LAYER_WIDEST
 
+# What a manifest says of lib/blend.inc if poses are not to be moved: share, and metres.
+NO_BLEND = {"share": 0.0, "misfit": 1.0, "distance": 1000.0}
+
 
 class ExportError(Exception):
     """What is wrong with the weights or the manifest, in one line."""

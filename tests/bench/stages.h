@@ -47,6 +47,8 @@ STAGE stage_refine(void) { NAME(edml_refine)(x, distance, EDML_STRESS_SQUARE, ST
 STAGE stage_mirror(void) { NAME(edml_mirror)(x, &MODEL); }
 STAGE stage_orient(void) { NAME(edml_orient)(x, in, 0x3FFF); }
 
+STAGE stage_blend(void) { NAME(edml_blend)(x, in, 0x3FFF, &MODEL); }
+
 /* What lift.h lifted, before a camera of 1145 pixels' focal length. */
 STAGE stage_place(void)
 {
@@ -64,7 +66,7 @@ static const struct {
     void (*run)(void);
 } stages[] = {
     {"edm", stage_edm},       {"net", stage_net},       {"mds", stage_mds},   {"refine", stage_refine},
-    {"mirror", stage_mirror}, {"orient", stage_orient}, {"lift", stage_lift},
+    {"mirror", stage_mirror}, {"orient", stage_orient}, {"blend", stage_blend}, {"lift", stage_lift},
     {"place", stage_place},
 };
 enum { STAGES = (int)(sizeof stages / sizeof stages[0]) };

@@ -13,6 +13,7 @@ check_tally tally;
 #include "torso.inc"
 #include "mirror.inc"
 #include "orient.inc"
+#include "blend.inc"
 
 /* The network is whole numbers all the same; the exporter proves its ranges. */
 static void NAME(edml_net)(real distance[EDML_PAIRS], const real edm[EDML_PAIRS],
@@ -57,6 +58,7 @@ extern "C" void check_points(int32_t out[EDML_JOINTS][3], const int32_t distance
     edml_stress_check(x, work.distance, EDML_STRESS_RAW);
     edml_mirror_check(x, model);
     edml_orient_check(x, in, seen_joints(in));
+    edml_blend_check(x, in, seen_joints(in), model);
     copy(out, x);
     *taken = tally;
 }

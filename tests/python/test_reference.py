@@ -32,7 +32,7 @@ def model():
     settings = json.loads((ROOT / "gen" / "fconn.json").read_text())
     with np.load(ROOT / "gen" / "fconn.npz") as weights:
         layers = [(weights[f"weight{i}"], weights[f"bias{i}"]) for i in range(3)]
-    names = ("fewest_joints", "widest", "objective", "refine_steps")
+    names = ("fewest_joints", "widest", "objective", "refine_steps", "blend")
     picked = {name: settings[name] for name in names}
     return reference.Model(layers, mirror=np.array(settings["mirror"]), **picked)
 
