@@ -71,8 +71,8 @@
 #define ORIENT_EVEN_TOLERANCE 5e-6F  /* the same spread on all axes: no bias is left */
 #define ORIENT_FRAME_TOLERANCE 5e-5F /* rounding, enlarged by the division by a thin spread */
 
-/* ---- Blending, metres: rounding of pixels, 200 to the metre ---- */
-#define BLEND_TOLERANCE 2e-6F
+/* ---- Blending, metres: rounding, of pixels above all, 200 to the metre ---- */
+#define BLEND_TOLERANCE 4e-6F
 
 /* ---- Camera ---- */
 /* Exact points of people 2 to 12 m away: degrees, share of the distance, pixels; and of 1.6 to 60 m. */
