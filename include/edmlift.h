@@ -234,7 +234,10 @@ typedef struct {
     edml_smoothing smooth_image; /* of keypoints; unit of speed: the body's size a second, which is the
                                     seen joints' mean |x| + |y| from their middle */
     edml_smoothing smooth_space; /* of poses; m/s */
+    float noise; /* how far keypoints are from where the past lets expect them, on average, in sizes of
+                    the body, if all of that is wanted; of steadier ones less is.  0: all, always */
     /* Report on the last frame that was lifted. */
+    float unsteady;    /* what `noise` is compared with, over the last 0.2 s or so */
     uint32_t elapsed;  /* ms since the one before; 0: there is none, or too long ago */
     uint16_t held;     /* bit j: joint j was not seen, but lately */
     uint8_t exchanged; /* EDML_EXCHANGED_ARMS, _LEGS: right and left were, by the detector */

@@ -21,6 +21,11 @@ enum { FEWEST_SEEN = EDML_JOINTS / 2 };
 #define SPACE_SLOPE 2.5F /* Hz per m/s */
 #define RATE_CUTOFF 4.0F /* Hz */
 
+/* Filters of keypoints as steady as a usual detector's; steadier ones want less of them. */
+#define NOISE 0.13F         /* how far off those are from where they are expected, in body sizes ... */
+#define NOISE_SECONDS 0.2F  /* ... averaged over */
+#define LIGHTEST 100.0F     /* what cutoffs are multiplied by at most */
+
 /* Log-odds of twins, see turns_over(). */
 #define SUREST 6.0F            /* nothing is believed more than this */
 #define LABELS 2.0F            /* that right and left are right at the start ... */
@@ -62,14 +67,24 @@ static float share(float cutoff, float seconds)
 
 /* Moves a joint towards where it is seen.  One cutoff for all of its coordinates, by its speed in
  * units a second: so turning the camera changes nothing. */
-static void smooth(edml_moving *joint, edml_point seen, float seconds, edml_smoothing by, float unit)
+static void smooth(edml_moving *joint, edml_point seen, float seconds, edml_smoothing by, float unit,
+                   float lightness)
 {
     const edml_point step = minus(seen, joint->at);
     const edml_point news = minus(times(1 / seconds, step), joint->rate);
     joint->rate = plus(joint->rate, times(share(RATE_CUTOFF, seconds), news));
     const float x = joint->rate.x / unit, y = joint->rate.y / unit, z = joint->rate.z / unit;
     const float cutoff = by.cutoff + by.slope * sqrtf(x * x + y * y + z * z);
-    joint->at = plus(joint->at, times(share(cutoff, seconds), step));
+    joint->at = plus(joint->at, times(share(lightness * cutoff, seconds), step));
+}
+
+/* What cutoffs are multiplied by.  The fourth power tells a detector's noise from motion, which from
+ * frame to frame is a third as large. */
+static float lightness(const edml_track *track)
+{
+    const float part = track->noise / track->unsteady, square = part * part;
+    if (!(square > 1)) return 1;
+    return square < LIGHTEST / square ? square * square : LIGHTEST;
 }
 
 /* ---- Twins -------------------------------------------------------------------------------------- */
@@ -167,6 +182,25 @@ static int sort_sides(edml_track *track, edml_keypoint in[], int right, float *b
 
 /* ---- The image ------------------------------------------------------------------------------------ */
 
+/* Follows how far keypoints are from where they are expected. */
+static void watch_steadiness(edml_track *track, const edml_keypoint in[], float size)
+{
+    float sum = 0, count = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        if (!(in[j].c > 0 && is_known(track, j))) continue;
+        const edml_moving *joint = &track->image[j];
+        const float seconds = 0.001F * (float)(track->age[j] + track->elapsed);
+        const float x = joint->at.x + seconds * joint->rate.x - in[j].x;
+        const float y = joint->at.y + seconds * joint->rate.y - in[j].y;
+        sum += sqrtf(x * x + y * y) / size;
+        count++;
+    }
+    if (!(count > 0)) return;
+    const float seconds = 0.001F * (float)track->elapsed;
+    const float off = limit(sum / count, 1); /* infinity would stay */
+    track->unsteady += seconds / (seconds + NOISE_SECONDS) * (off - track->unsteady);
+}
+
 /* Smooths the seen joints; returns how far they moved on average. */
 static edml_point smooth_seen(edml_track *track, edml_keypoint in[], float size)
 {
@@ -178,7 +212,7 @@ static edml_point smooth_seen(edml_track *track, edml_keypoint in[], float size)
         if (!(in[j].c > 0)) continue;
         if (is_known(track, j)) {
             const float seconds = 0.001F * (float)(track->age[j] + track->elapsed);
-            smooth(joint, seen, seconds, track->smooth_image, size);
+            smooth(joint, seen, seconds, track->smooth_image, size, lightness(track));
             moved = plus(moved, minus(joint->at, before));
             count++;
         } else {
@@ -218,6 +252,7 @@ static void steady_image(edml_track *track, edml_keypoint in[], float size)
         if (sort_sides(track, in, EDML_R_HIP, &track->legs, size))
             track->exchanged |= EDML_EXCHANGED_LEGS;
     }
+    watch_steadiness(track, in, size);
     const edml_point moved = smooth_seen(track, in, size);
     track->held = hold_missing(track, in, moved);
 }
@@ -254,7 +289,8 @@ static void steady_pose(edml_track *track, edml_pose *out)
         if (first)
             track->space[j] = at_rest(out->joint[j]);
         else
-            smooth(&track->space[j], out->joint[j], seconds, track->smooth_space, 1);
+            smooth(&track->space[j], out->joint[j], seconds, track->smooth_space, 1,
+                   lightness(track));
         out->joint[j] = track->space[j].at;
     }
 }
@@ -268,6 +304,7 @@ void edml_track_start(edml_track *track)
     track->smooth_image.slope = IMAGE_SLOPE;
     track->smooth_space.cutoff = SPACE_CUTOFF;
     track->smooth_space.slope = SPACE_SLOPE;
+    track->noise = NOISE;
 }
 
 /* On to a frame: the first one, or one after a gap, has no past. */
@@ -279,6 +316,7 @@ static void move_on(edml_track *track, uint32_t time_ms)
     if (track->elapsed > 0 && track->elapsed <= GAP) return;
     track->elapsed = 0;
     track->arms = track->legs = LABELS;
+    track->unsteady = track->noise;
     for (int j = 0; j < EDML_JOINTS; j++) track->age[j] = HOLD + 1;
 }
 

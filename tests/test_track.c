@@ -183,6 +183,7 @@ static void the_filter_is_the_papers(void)
     double missed = 0;
     uint32_t time = 0;
     start();
+    track.noise = 0;
     see_turned(0);
     TEST_ASSERT_EQUAL_INT(EDML_OK, run(time));
     other = track;
@@ -204,6 +205,36 @@ static void the_filter_is_the_papers(void)
         TEST_ASSERT_FLOAT_WITHIN(0.01F, (float)rest.at, rest_at);
         TEST_ASSERT_FLOAT_WITHIN(0.01F, (float)wrist.at, wrist_at);
     }
+}
+
+/* Mean distance of a moving person's poses, in metres, from those of each frame alone. */
+static double lag_of(float noise, float pixels)
+{
+    double sum = 0;
+    rng r = rng_seed(74);
+    start();
+    track.noise = noise;
+    for (int n = 0; n < 60; n++) {
+        see_turned(n);
+        add_noise(&r, pixels);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        for (int j = 0; j < EDML_JOINTS; j++)
+            sum += distance_between(again.joint[j], pose.joint[j]) / (60 * EDML_JOINTS);
+    }
+    return sum;
+}
+
+static void steady_keypoints_are_filtered_less(void)
+{
+    edml_track_start(&track);
+    const float noise = track.noise;
+    const double steady = lag_of(noise, 0);
+    TEST_ASSERT_TRUE(track.unsteady > 0 && track.unsteady < noise / 2);
+    TEST_ASSERT_TRUE(steady < lag_of(0, 0) / 2);
+    const double noisy = lag_of(noise, 20);
+    TEST_ASSERT_TRUE(track.unsteady > noise);
+    TEST_ASSERT_TRUE(noisy > 0.9 * lag_of(0, 20));
 }
 
 static void without_filters_frames_are_as_lifted(void)
@@ -473,6 +504,7 @@ int main(void)
     RUN_TEST(the_image_may_be_of_any_size);
     RUN_TEST(noise_is_more_than_halved);
     RUN_TEST(the_filter_is_the_papers);
+    RUN_TEST(steady_keypoints_are_filtered_less);
     RUN_TEST(without_filters_frames_are_as_lifted);
     RUN_TEST(exchanges_are_undone);
     RUN_TEST(a_turn_is_not_undone);

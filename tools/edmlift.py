@@ -107,6 +107,8 @@ TRACK = np.dtype(
     [
         ("smooth_image", SMOOTHING),
         ("smooth_space", SMOOTHING),
+        ("noise", np.float32),
+        ("unsteady", np.float32),
         ("elapsed", np.uint32),
         ("held", np.uint16),
         ("exchanged", np.uint8),
