@@ -129,10 +129,12 @@ def blend_settings(trained: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]
 
 
 def blend(points: jax.Array, keypoints: jax.Array, trained: jax.Array) -> jax.Array:
-    """lib/blend.inc: poses of orient() with the seen joints moved to where the image has them."""
+    """lib/blend.inc: [B,14,3] in camera axes, the seen joints moved to where the image of keypoints
+    [B,14,3] has them; mean of the seen at 0."""
     share, misfit, distance = blend_settings(trained)
     middle = sum(box(keypoints))[:, None] / 2
     seen = (keypoints[..., 2:] > 0).astype(points.dtype)
+    points = about_mean(points, seen)
     image = (keypoints[..., :2] - middle) * (1 + points[..., 2:] / distance)
     image = about_mean(image, seen) * seen
     flat = points[..., :2] * seen

@@ -18,6 +18,7 @@ from skeleton import mid_hip
 TRAINED = Path(__file__).resolve().parents[1] / "docs" / "accuracy" / "rivals.json"
 TITLES = {
     "mlp40k": "Cartesian network, 40 K",
+    "mlp40k_blend": "the same, blended with the image",
     "mlp25k": "Cartesian network, 25.6 K",
     "martinez": "residual network, 4.3 M",
 }

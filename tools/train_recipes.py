@@ -41,9 +41,10 @@ RECIPES = {
     "the paper's, both": paper(**detector),
     "the paper's, both, joints hidden": paper(masks=True, **detector),
     "without dropout": paper(masks=True, dropout=0.0, **detector),
-    "our noise, bodies and motion, L2": l2(),
-    "through the MDS": dataclasses.replace(l2(), l2_epochs=20, mds_epochs=480),
-    "the same, as long as FConv": dataclasses.replace(l2(), l2_epochs=5, mds_epochs=25),
+    "our noise, bodies and motion, L2": l2(batch=128),
+    "through the MDS": l2(batch=128, l2_epochs=20, mds_epochs=480),
+    "blended with the image, batches of 64": l2(l2_epochs=20, mds_epochs=480, blend=True),
+    "the same, as long as FConv": l2(l2_epochs=5, mds_epochs=25, blend=True),
 }
 
 

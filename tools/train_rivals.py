@@ -58,7 +58,7 @@ class Recipe(train.Recipe):
 def recipe(**changes) -> Recipe:
     """FConn's recipe, but for the changes; the phase of L2 on distances has no counterpart."""
     base = train.RECIPES["mds"]
-    fields = dataclasses.asdict(base) | {"l2_epochs": 0, "distance_share": 0.0}
+    fields = dataclasses.asdict(base) | {"l2_epochs": 0, "distance_share": 0.0, "blend": False}
     fields["mds_epochs"] = base.l2_epochs + base.mds_epochs
     return Recipe(**fields | changes)
 
@@ -69,13 +69,14 @@ martinez = functools.partial(
 
 RIVALS = {  # what was best of TRIALS
     "mlp40k": recipe(hidden=(121, 121, 121), mask=True, rate=3e-3),
-    "mlp25k": recipe(hidden=(128, 128), rate=3e-3),
+    "mlp40k_blend": recipe(hidden=(121, 121, 121), mask=True, rate=3e-3, blend=True),
+    "mlp25k": recipe(hidden=(128, 128), rate=3e-3, batch=128),
     "martinez": martinez(mask=True),
 }
 
 # On HELD_OUT people: what the loss is measured on, what tells missing joints, depth, rate, dropout.
 HELD_OUT = [3, 13, 91, 127]
-small = functools.partial(recipe, hidden=(167, 167), rigid=1.0, mds_epochs=100)
+small = functools.partial(recipe, hidden=(167, 167), rigid=1.0, mds_epochs=100, batch=128)
 large = functools.partial(martinez, rigid=1.0, mask=True, mds_epochs=8)
 TRIALS = {
     "40 K, camera axes": small(rigid=0.0),
@@ -97,6 +98,14 @@ CURVE = 20  # points of the validation curve
 SETTLE = 8192  # training views by which batch normalisation is fixed
 
 
+def blended(points, keypoints, params):
+    """Poses [B,14,3] moved to the image, if the parameters say how; about their mean."""
+    if "blend" not in params:
+        return points
+    points = network.blend(points, keypoints, params["blend"])
+    return points - points.mean(1, keepdims=True)
+
+
 def rival_loss(recipe: Recipe):
     """(params, keypoints [B,14,3], truth [B,14,3], key) -> mean joint error, metres; and {}, for
     nothing of the parameters is observed."""
@@ -105,6 +114,7 @@ def rival_loss(recipe: Recipe):
         x = cartesian.inputs(keypoints, recipe.mask)
         layers = params["layers"]
         points, _ = cartesian.forward(layers, x, recipe.residual, None, key, recipe.dropout)
+        points = blended(points, keypoints, params)
         value = 0.0
         if recipe.rigid > 0:
             value += recipe.rigid * network.joint_errors(points, truth, mirror=False).mean()
@@ -122,7 +132,8 @@ def predict(params, statistics, keypoints, recipe: Recipe):
     These are measured on the keypoints where they are not given.
     """
     x = cartesian.inputs(keypoints, recipe.mask)
-    return cartesian.forward(params, x, recipe.residual, statistics)
+    points, used = cartesian.forward(params["layers"], x, recipe.residual, statistics)
+    return blended(points, keypoints, params), used
 
 
 class Run(train.Run):
@@ -136,7 +147,8 @@ class Run(train.Run):
         mean = (truth - truth.mean(1, keepdims=True)).mean(0)
         widths = ((3 if self.recipe.mask else 2) * len(JOINTS), *self.recipe.hidden)
         widths = (*widths, cartesian.OUTPUTS)
-        return {"layers": cartesian.init(widths, mean, self.recipe.residual, self.seed)}
+        params = {"layers": cartesian.init(widths, mean, self.recipe.residual, self.seed)}
+        return params | {"blend": network.BLEND} if self.recipe.blend else params
 
     @property
     def layers(self) -> cartesian.Params:
@@ -160,8 +172,8 @@ class Run(train.Run):
         rng = np.random.default_rng([self.seed, 1 << 31])
         chosen = train.pick_poses(self.motion.subject, self.recipe, rng)[:SETTLE]
         keypoints, _ = train.draw_2d(self.motion.joints[chosen], self.recipe, rng)
-        _, statistics = predict(self.layers, None, jnp.asarray(keypoints), self.recipe)
-        return Lifter(self.recipe, self.layers, statistics)
+        _, statistics = predict(self.params, None, jnp.asarray(keypoints), self.recipe)
+        return Lifter(self.recipe, self.params, statistics)
 
     def describe(self) -> str:
         return json.dumps({"recipe": super().describe(), "motion": self.motion.sha256})
@@ -172,7 +184,7 @@ class Lifter:
     """A trained rival, ready to lift: `lift` is edmlift.Library's.  It answers every pose."""
 
     recipe: Recipe
-    params: cartesian.Params
+    params: dict
     statistics: cartesian.Statistics
 
     def lift(self, keypoints: np.ndarray) -> Poses:
