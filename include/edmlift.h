@@ -73,7 +73,8 @@ typedef struct {
                                       that were not seen */
     float mirror_margin; /* >= 0: log-odds, as fitted on training views, that this pose and not its
                             mirror image is the right one; a guide, not a calibrated probability */
-    float residual;      /* metres: RMS difference between the pose's distances and the network's */
+    float residual;      /* metres: RMS difference between the network's distances and those of its points
+                            in space, before the image moves them */
     uint16_t seen;       /* bit j: joint j was seen */
 } edml_pose;
 

@@ -15,14 +15,14 @@ typedef struct {
     uint8_t lost[MOST_MISSING - 1]; /* not seen, nor a neighbour, by how many were not: from 2 on */
 } joint_error;
 
-static const joint_error head = {{59, 65, 68, 73, 82}, 80, {79, 84, 91}};
-static const joint_error neck = {{33, 36, 39, 42, 49}, 38, {37, 42, 45}};
-static const joint_error shoulder = {{43, 47, 50, 54, 60}, 57, {55, 56, 60}};
-static const joint_error elbow = {{62, 67, 69, 78, 81}, 87, {99, 101, 113}};
-static const joint_error wrist = {{96, 104, 111, 119, 136}, 171, {182, 193, 213}};
-static const joint_error hip = {{40, 44, 48, 52, 61}, 56, {54, 52, 60}};
-static const joint_error knee = {{66, 72, 80, 89, 106}, 106, {110, 120, 129}};
-static const joint_error ankle = {{98, 106, 119, 131, 154}, 161, {173, 194, 200}};
+static const joint_error head = {{57, 61, 65, 69, 78}, 80, {76, 82, 88}};
+static const joint_error neck = {{32, 35, 38, 41, 48}, 40, {37, 43, 45}};
+static const joint_error shoulder = {{42, 46, 49, 52, 60}, 57, {56, 55, 62}};
+static const joint_error elbow = {{60, 65, 68, 74, 80}, 87, {99, 100, 115}};
+static const joint_error wrist = {{94, 102, 108, 115, 132}, 172, {178, 187, 213}};
+static const joint_error hip = {{40, 43, 48, 50, 61}, 56, {55, 54, 61}};
+static const joint_error knee = {{65, 70, 79, 84, 104}, 105, {110, 120, 129}};
+static const joint_error ankle = {{95, 103, 117, 128, 152}, 158, {172, 194, 198}};
 
 static const joint_error *const errors[EDML_JOINTS] = {
     &head,  &neck, &shoulder, &elbow, &wrist, &shoulder, &elbow,

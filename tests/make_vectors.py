@@ -151,6 +151,7 @@ def read_model(weights: Path) -> reference.Model:
         objective=manifest["objective"],
         refine_steps=manifest["refine_steps"],
         mirror=np.array(manifest["mirror"]),
+        blend=manifest["blend"],
     )
 
 

@@ -29,6 +29,7 @@ MANIFEST = {
     "objective": "none",
     "refine_steps": 0,
     "mirror": [0.5, -1.25, 0.1, 2, 0],
+    "blend": {"share": 0.75, "misfit": 0.5, "distance": 4},
     "recipe": {"name": "mds", "seed": 7},
     "data": {"frames": 1000},
     "metrics": {"gt": 45.25, "n10": 60},
@@ -499,6 +500,8 @@ def test_model(header: Path) -> None:
         "    0, /* refinement steps */",
         f"    {{{{0x1p-1F, {1 << 23}}}, {{-0x1.4p0F, {-5 << 22}}}, {{0x1.99999ap-4F, 1677722}}, "
         f"{{0x1p1F, {2 << 24}}}, {{0, 0}}}}, /* mirror */",
+        f"    {{{{0x1.8p-3F, {3 << 20}}}, {{0x1p-2F, {1 << 22}}}, {{0x1p-2F, {1 << 22}}}}}, "
+        "/* blend: 0.75 of 0.5 m, at 4 m */",
         "};",
     ]
 
@@ -876,6 +879,12 @@ def test_mat_without_a_network(tmp_path: Path, capsys) -> None:
         ({"mirror": [1, 2, 3, 4]}, "mirror must be five numbers"),
         ({"mirror": [1, 2, 3, 4, 1e39]}, "mirror must be five numbers"),
         ({"mirror": [1, 2, 3, 4, -128]}, "mirror must be five numbers between -128 and 128"),
+        ({"blend": [0.5, 0.1, 4]}, "blend must be share 0 to 1, misfit 0.01 to 1 and distance 3"),
+        ({"blend": {"share": 0.5, "misfit": 0.1}}, "blend must be"),
+        ({"blend": {"share": 1.1, "misfit": 0.1, "distance": 4}}, "blend must be"),
+        ({"blend": {"share": 0.5, "misfit": 0.001, "distance": 4}}, "blend must be"),
+        ({"blend": {"share": 0.5, "misfit": 0.1, "distance": 2.9}}, "blend must be"),
+        ({"blend": {"share": float("nan"), "misfit": 0.1, "distance": 4}}, "blend must be"),
         ({"metrics": {"gt": "45"}}, "metrics must be numbers by column"),
         ({"metrics_q7": {"gt": None}}, "metrics_q7 must be numbers by column"),
         ({"calibration": []}, "calibration must be an object"),

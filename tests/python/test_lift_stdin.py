@@ -525,7 +525,7 @@ def answer(row: list[str]) -> dict:
     }
 
 
-MEMBERS = {"id": 7, "t": 0.25, "tags": {"a": [1, {"b": [None, True, "]}"]}], "é\\": "😀\n\""}}
+MEMBERS = {"id": 7, "t": 0.25, "tags": {"a": [1, {"b": [None, True, "]}"]}], "é\\": '😀\n"'}}
 
 
 @pytest.mark.parametrize("ascii_only", [True, False])

@@ -248,3 +248,39 @@ def test_missing_motion_is_a_clear_error(tmp_path):
 
 def test_pairs_are_row_by_row():
     assert list(zip(*PAIRS, strict=True))[:3] == [(0, 1), (0, 2), (0, 3)]
+
+
+def test_orienting_and_blending_are_the_references():
+    rng = np.random.default_rng(8)
+    keypoints, truth = train.draw_2d(people(60).joints, SHORT, rng)
+    distances = np.array([reference.distances(t) for t in truth.astype(float)])
+    distances *= rng.uniform(0.9, 1.1, distances.shape)
+    mine = np.asarray(
+        network.poses(
+            jnp.asarray(distances, jnp.float32),
+            jnp.asarray(keypoints),
+            jnp.asarray(truth),
+            network.BLEND,
+        )
+    )
+    settings = train.blend_settings(network.BLEND)
+    for pose, d, seen, true in zip(mine, distances, keypoints.astype(float), truth, strict=True):
+        points = reference.mds(d)
+        both = [
+            reference.blend(reference.orient(points * [1, 1, z], seen), seen, **settings)
+            for z in (1, -1)
+        ]
+        depth = true[:, 2] - true[:, 2].mean()
+        right = both[0] if (both[0][:, 2] - both[0][:, 2].mean()) @ depth > 0 else both[1]
+        assert np.allclose(pose - pose.mean(0), right - right.mean(0), atol=2e-4)
+
+
+def test_blending_is_trained_along():
+    run = train.Run(people(), SHORT, 7)
+    while run.epoch < run.epochs:
+        run.advance(run.draw(run.epoch))
+    assert not np.array_equal(run.params["blend"], network.BLEND)
+    assert 0 < train.blend_settings(run.params["blend"])["share"] < 1
+    without = train.Run(people(), dataclasses.replace(SHORT, blend=False), 7)
+    assert "blend" not in without.params
+    assert train.blend_settings(None)["share"] == 0

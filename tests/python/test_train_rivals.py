@@ -163,7 +163,7 @@ def test_a_lifter_has_the_averaged_weights_and_their_own_normalisation():
     # By fixed statistics: a pose is lifted alone as it is among others ...
     assert np.allclose(lifter.lift(keypoints[:1]).joints, whole.joints[:1], atol=1e-5)
     # ... which are those that the averaged weights have on training views, without dropout.
-    last = train_rivals.Lifter(RESIDUAL, run.carry[0]["layers"], lifter.statistics).lift(keypoints)
+    last = train_rivals.Lifter(RESIDUAL, run.carry[0], lifter.statistics).lift(keypoints)
     assert np.abs(last.joints - whole.joints).max() > 1e-4
     rng = np.random.default_rng([7, 1 << 31])
     chosen = train.pick_poses(run.motion.subject, RESIDUAL, rng)
@@ -171,6 +171,22 @@ def test_a_lifter_has_the_averaged_weights_and_their_own_normalisation():
     first = cartesian.inputs(jnp.asarray(seen)) @ run.layers[0][0] + run.layers[0][1]
     assert np.allclose(lifter.statistics[0][0], first.mean(0), atol=1e-4)
     assert np.allclose(lifter.statistics[0][1], first.var(0), rtol=1e-3)
+
+
+def test_a_rival_may_be_blended_with_the_image():
+    run = train_rivals.Run(people(), dataclasses.replace(PLAIN, blend=True), 7)
+    for epoch in range(3):
+        run.advance(run.draw(epoch))
+    keypoints, _ = views()
+    lifter = run.settle()
+    plain = dataclasses.replace(lifter, params={"layers": run.layers})
+    expected = network.blend(plain.lift(keypoints).joints, keypoints, run.params["blend"])
+    got = lifter.lift(keypoints).joints
+    assert np.allclose(
+        got - got.mean(1, keepdims=True), expected - expected.mean(1, keepdims=True), atol=1e-5
+    )
+    assert np.abs(got - plain.lift(keypoints).joints).max() > 0.01
+    assert not np.array_equal(run.params["blend"], network.BLEND)
 
 
 def test_too_few_poses_are_an_error():

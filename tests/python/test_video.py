@@ -72,9 +72,7 @@ def test_settings_are_the_tracks(library):
 def test_calls_continue_the_track(library):
     track = library.track()
     halves = [track.lift(WALK[part], TIMES[part]).joints for part in (slice(20), slice(20, None))]
-    np.testing.assert_array_equal(
-        np.concatenate(halves), library.track().lift(WALK, TIMES).joints
-    )
+    np.testing.assert_array_equal(np.concatenate(halves), library.track().lift(WALK, TIMES).joints)
 
 
 def test_wrong_shapes(library):
