@@ -22,7 +22,7 @@ enum { FEWEST_SEEN = EDML_JOINTS / 2 };
 #define RATE_CUTOFF 4.0F /* Hz */
 
 /* Filters of keypoints as steady as a usual detector's; steadier ones want less of them. */
-#define NOISE 0.13F         /* how far off those are from where they are expected, in body sizes ... */
+#define NOISE 0.135F        /* how far off those are from where they are expected, in body sizes ... */
 #define NOISE_SECONDS 0.2F  /* ... averaged over */
 #define LIGHTEST 100.0F     /* what cutoffs are multiplied by at most */
 
@@ -259,7 +259,8 @@ static void steady_image(edml_track *track, edml_keypoint in[], float size)
 
 /* ---- Space ---------------------------------------------------------------------------------------- */
 
-/* Takes the mirror image that persists: in the camera's axes, the one with depths negated.  Squared
+/* Takes the mirror image that persists: in the camera's axes, the one with depths negated (but for the
+ * centimetre or two of perspective that blend.inc took out by the other depths).  Squared
  * distances of the two from the last pose differ by four times the product of the depths. */
 static int sort_mirror(edml_track *track, edml_pose *out)
 {
@@ -316,7 +317,7 @@ static void move_on(edml_track *track, uint32_t time_ms)
     if (track->elapsed > 0 && track->elapsed <= GAP) return;
     track->elapsed = 0;
     track->arms = track->legs = LABELS;
-    track->unsteady = track->noise;
+    track->unsteady = track->noise / 2; /* until it is known */
     for (int j = 0; j < EDML_JOINTS; j++) track->age[j] = HOLD + 1;
 }
 

@@ -307,11 +307,13 @@ static void what_lasts_is_no_exchange(void)
 
 /* ---- The mirror image ---------------------------------------------------------------------------- */
 
-/* A model that takes the mirror image, if `right` is 0, with a tenth of the margin. */
+/* A model that takes the mirror image, if `right` is 0, with a tenth of the margin; it does not blend, so
+ * mirror images differ in nothing but the sign of depth. */
 static edml_model doubtful_model(int right)
 {
     edml_model model = edml_fconn_f32;
     for (int n = 0; n < 5; n++) model.mirror[n].f32 *= right ? 0.1F : -0.1F;
+    model.blend[0].f32 = 0;
     return model;
 }
 
@@ -334,7 +336,8 @@ static void a_mirror_image_is_taken_only_if_it_persists(void)
         if (n >= 60) overruled += track.mirrored;
         if (!track.mirrored) TEST_ASSERT_ERROR_UP_TO(0.0001F, worst_joint_error(again.joint, pose.joint));
         TEST_ASSERT_TRUE(pose.mirror_margin >= 0 && pose.mirror_margin <= 6);
-        TEST_ASSERT_EQUAL_INT(track.mirrored, n > 0 && pose.mirror_margin < margin);
+        const int turned = n >= 60 && n == 60 + overruled; /* the other one has won */
+        if (!turned) TEST_ASSERT_EQUAL_INT(track.mirrored, n > 0 && pose.mirror_margin < margin);
         margin = pose.mirror_margin;
     }
     TEST_ASSERT_TRUE(overruled >= 5 && overruled < 40);

@@ -95,7 +95,8 @@ def nearest_axes(rows: jax.Array) -> jax.Array:
 
 
 def orient(points: jax.Array, keypoints: jax.Array) -> jax.Array:
-    """lib/orient.inc: [B,14,3] turned to the camera of keypoints [B,14,3]; mean of the seen at 0."""
+    """lib/orient.inc: [B,14,3] in the axes of the camera of keypoints [B,14,3], about the mean of
+    the seen joints."""
     seen = (keypoints[..., 2:] > 0).astype(points.dtype)
     points = about_mean(points, seen)
     image = about_mean(keypoints[..., :2], seen) * seen
