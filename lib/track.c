@@ -22,9 +22,9 @@ enum { FEWEST_SEEN = EDML_JOINTS / 2 };
 #define RATE_CUTOFF 4.0F /* Hz */
 
 /* Filters of keypoints as steady as a usual detector's; steadier ones want less of them. */
-#define NOISE 0.135F        /* how far off those are from where they are expected, in body sizes ... */
-#define NOISE_SECONDS 0.2F  /* ... averaged over */
-#define LIGHTEST 100.0F     /* what cutoffs are multiplied by at most */
+#define NOISE 0.115F       /* how far off those are from where they are expected, in body sizes ... */
+#define NOISE_SECONDS 0.2F /* ... averaged over */
+#define STEADIEST 3.0F     /* times as steady: no filter gets lighter than of these */
 
 /* Log-odds of twins, see turns_over(). */
 #define SUREST 6.0F            /* nothing is believed more than this */
@@ -78,13 +78,14 @@ static void smooth(edml_moving *joint, edml_point seen, float seconds, edml_smoo
     joint->at = plus(joint->at, times(share(lightness * cutoff, seconds), step));
 }
 
-/* What cutoffs are multiplied by.  The fourth power tells a detector's noise from motion, which from
- * frame to frame is a third as large. */
+/* What cutoffs are multiplied by.  The sixth power tells a detector's noise from motion, which from frame
+ * to frame is a third as large. */
 static float lightness(const edml_track *track)
 {
-    const float part = track->noise / track->unsteady, square = part * part;
-    if (!(square > 1)) return 1;
-    return square < LIGHTEST / square ? square * square : LIGHTEST;
+    float part = track->noise / track->unsteady;
+    if (!(part > 1)) return 1;
+    if (part > STEADIEST) part = STEADIEST;
+    return part * part * part * part * part * part;
 }
 
 /* ---- Twins -------------------------------------------------------------------------------------- */
