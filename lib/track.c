@@ -82,9 +82,9 @@ static void smooth(edml_moving *joint, edml_point seen, float seconds, edml_smoo
  * to frame is a third as large. */
 static float lightness(const edml_track *track)
 {
-    float part = track->noise / track->unsteady;
-    if (!(part > 1)) return 1;
-    if (part > STEADIEST) part = STEADIEST;
+    if (!(track->unsteady < track->noise)) return 1;
+    const int most = STEADIEST * track->unsteady <= track->noise; /* of nobody who moves, 0 */
+    const float part = most ? STEADIEST : track->noise / track->unsteady;
     return part * part * part * part * part * part;
 }
 

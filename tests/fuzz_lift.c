@@ -1,4 +1,4 @@
-/* Any bytes into edml_lift and edml_lift_q24: a status that exists, and with it either a sound pose or
+/* Any bytes into edml_lift, edml_track_lift and edml_lift_q24: a status that exists, and with it either a sound pose or
  * none; in fixed point no overflow, by the numbers that watch themselves (check/).  What was lifted is
  * placed before cameras of any kind, with the same demands.
  *
@@ -106,6 +106,39 @@ static void lift_floats(const uint8_t *data)
     }
 }
 
+/* A short video: of each frame the bytes are those of the one before, moved on by one joint in a video of
+ * odd length, and time may stand still or run back. */
+static void track_floats(const uint8_t *data)
+{
+    uint8_t moved[INPUT_BYTES];
+    edml_keypoint in[EDML_JOINTS];
+    edml_pose pose, before;
+    edml_work work;
+    edml_track track, untouched;
+    uint32_t time = UINT32_MAX - data[1];
+    memcpy(moved, data, sizeof moved);
+    memset(&pose, 0xA5, sizeof pose);
+    edml_track_start(&track);
+    for (int n = 0; n < 2 + data[2] % 4; n++) {
+        memcpy(&before, &pose, sizeof pose);
+        memcpy(&untouched, &track, sizeof track);
+        read_keypoints(in, moved);
+        const edml_status status = edml_track_lift(&pose, &track, in, time, &edml_fconn_f32, &work);
+        require(edml_status_name(status)[0] != '?', "an unknown status of a frame");
+        if (status == EDML_OK) {
+            check_pose(&pose);
+            require(track.unsteady >= 0 && track.unsteady <= 1, "a bad unsteadiness");
+        } else {
+            require(memcmp(&pose, &before, sizeof pose) == 0, "a frame refused, but the pose was written");
+            require(memcmp(&track, &untouched, sizeof track) == 0, "a frame refused, but it left a trace");
+        }
+        time += (uint32_t)(data[3] + n) % 97 - 5;
+        if (data[2] % 2 == 0) continue;
+        memcpy(moved + 1, data + 1 + JOINT_BYTES, INPUT_BYTES - 1 - JOINT_BYTES);
+        memcpy(moved + INPUT_BYTES - JOINT_BYTES, data + 1, JOINT_BYTES);
+    }
+}
+
 /* As they are, or in 16-bit tenths of pixels, or such ones spread over the whole range. */
 static void read_keypoints_q16(edml_keypoint_q16 in[EDML_JOINTS], const uint8_t *data)
 {
@@ -177,6 +210,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (size < INPUT_BYTES) return 0;
     lift_floats(data);
+    track_floats(data);
     lift_whole_numbers(data);
     return 0;
 }
