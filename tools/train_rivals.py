@@ -68,7 +68,7 @@ martinez = functools.partial(
 )
 
 RIVALS = {  # what was best of TRIALS
-    "mlp40k": recipe(hidden=(121, 121, 121), mask=True, rate=3e-3),
+    "mlp40k": recipe(hidden=(121, 121, 121), mask=True, rate=3e-3, batch=128),
     "mlp40k_blend": recipe(hidden=(121, 121, 121), mask=True, rate=3e-3, blend=True),
     "mlp25k": recipe(hidden=(128, 128), rate=3e-3, batch=128),
     "martinez": martinez(mask=True),
