@@ -1,6 +1,7 @@
 """Plots of tools/evaluate.py, small PNG files whose bytes depend on nothing but the figures."""
 
 import io
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,9 @@ from skeleton import JOINTS, mid_hip
 DPI = 110
 NAMES = ("errors", "joints", "noise", "examples")
 LIBRARY, OTHER = COLOURS["left"], COLOURS["right"]
-LINES = ("--", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)), ":", "-.")  # of rivals
+# Of rivals; with more of them, from the start again.
+MARKERS = "ovDs^*"
+LINES = ("--", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)), ":", "-.", (0, (1, 3)))
 # Example poses: the best, the worst, and what share of the poses has a smaller error.
 SHARES = {"best": 0.0, "25 %": 0.25, "median": 0.5, "75 %": 0.75, "95 %": 0.95, "worst": 1.0}
 
@@ -67,7 +70,7 @@ def errors(figures: dict, rivals: dict) -> Figure:
     ax.bar(at, error, color=LIBRARY, width=0.6, label="edmlift")
     ax.errorbar(at, error, [error - low, high - error], fmt="none", ecolor=TEXT, capsize=3)
     top = high.max()
-    for marker, (title, rival) in zip("ovDs^", rivals.items(), strict=False):
+    for marker, (title, rival) in zip(cycle(MARKERS), rivals.items(), strict=False):
         values = [rival[name]["error"] for name in figures]
         ax.plot(at + 0.41, values, marker, color=FAINT, ms=4, label=title)  # between the bars
         top = max(top, *values)
@@ -99,7 +102,7 @@ def noise(figures: dict, rivals: dict, paper: dict[str, float]) -> Figure:
     low, high = np.array([figures[name]["interval"] for name in columns]).T
     ax.fill_between(sigma, low, high, color=LIBRARY, alpha=0.15, lw=0)
     ax.plot(sigma, error, "o-", color=LIBRARY, label="edmlift")
-    for line, (title, rival) in zip(LINES, rivals.items(), strict=False):
+    for line, (title, rival) in zip(cycle(LINES), rivals.items(), strict=False):
         ax.plot(sigma, [rival[n]["error"] for n in columns], ls=line, color=FAINT, label=title)
     label = "the paper's FConv, on other data"
     ax.plot(sigma, [paper[name] for name in columns], "s--", color=OTHER, label=label)

@@ -59,6 +59,14 @@ def test_bars_and_lines_have_the_figures(report):
     assert 62.2 in lines["the paper's FConv, on other data"]
 
 
+def test_no_rival_is_left_out(report):
+    figures, _ = report
+    many = {f"rival {n}": figures for n in range(9)}
+    for figure in (plots.errors(figures, many), plots.noise(figures, many, evaluate.PAPER)):
+        titles = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+        assert set(many) <= set(titles)
+
+
 def test_examples_run_from_the_best_to_the_worst(tmp_path, report, monkeypatch):
     _, examples = report
     drawn = {}
