@@ -6,8 +6,9 @@
 
 MOTION is an .npz or a folder that tools/mocap.py reads.  Every epoch sees fresh cameras, noise,
 missing joints and bodies.  First the plain L2 loss on the distances (section 3.2), then the error
-of the joints behind the MDS.  `--hold-out` keeps subjects apart to watch the validation error by;
-a run goes on where its checkpoint (OUT with suffix .state) left off.
+of the joints of the whole lift, through the MDS and the blend with the image.  `--hold-out` keeps
+subjects apart to watch the validation error by; a run goes on where its checkpoint (OUT with suffix
+.state) left off.
 """
 
 import argparse
