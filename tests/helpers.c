@@ -119,6 +119,16 @@ void random_points(rng *r, edml_point x[EDML_JOINTS], float size)
     }
 }
 
+void root_at_mid_hip(edml_point x[EDML_JOINTS])
+{
+    const edml_point a = x[EDML_R_HIP], b = x[EDML_L_HIP];
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        x[j].x -= (a.x + b.x) / 2;
+        x[j].y -= (a.y + b.y) / 2;
+        x[j].z -= (a.z + b.z) / 2;
+    }
+}
+
 void equal_points(edml_point x[EDML_JOINTS], float x0, float y0, float z0)
 {
     const edml_point all = {x0, y0, z0};

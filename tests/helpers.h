@@ -37,6 +37,7 @@ void reflect(edml_point out[EDML_JOINTS], const edml_point x[EDML_JOINTS]); /* z
 void human_pose(edml_point x[EDML_JOINTS]); /* stands, faces the camera, limbs bent as limbs bend */
 void random_human(rng *r, edml_point x[EDML_JOINTS]); /* its bones, each turned by up to a radian */
 void random_points(rng *r, edml_point x[EDML_JOINTS], float size);
+void root_at_mid_hip(edml_point x[EDML_JOINTS]); /* which becomes the origin */
 void equal_points(edml_point x[EDML_JOINTS], float x0, float y0, float z0);
 
 /* Distances, in double, rounded once. */

@@ -24,21 +24,11 @@ static void set_model(double share, double misfit, double nearness)
     model.blend[2] = number(nearness);
 }
 
-static void root(edml_point p[EDML_JOINTS])
-{
-    const edml_point a = p[EDML_R_HIP], b = p[EDML_L_HIP];
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        p[j].x -= (a.x + b.x) / 2;
-        p[j].y -= (a.y + b.y) / 2;
-        p[j].z -= (a.z + b.z) / 2;
-    }
-}
-
 /* A person, rooted, and a photograph of where joints really are, `noise` metres off. */
 static void someone(rng *r, float noise)
 {
     random_human(r, person);
-    root(person);
+    root_at_mid_hip(person);
     for (int j = 0; j < EDML_JOINTS; j++) {
         y[j] = person[j];
         y[j].x += noise * gauss(r);

@@ -10,17 +10,6 @@ static edml_point person[EDML_JOINTS], x[EDML_JOINTS], y[EDML_JOINTS];
 static edml_keypoint in[EDML_JOINTS];
 static float distance[EDML_PAIRS];
 
-/* Puts mid-hip at the origin. */
-static void root(edml_point p[EDML_JOINTS])
-{
-    const edml_point a = p[EDML_R_HIP], b = p[EDML_L_HIP];
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        p[j].x -= (a.x + b.x) / 2;
-        p[j].y -= (a.y + b.y) / 2;
-        p[j].z -= (a.z + b.z) / 2;
-    }
-}
-
 static edml_point random_shift(rng *r)
 {
     const edml_point shift = {uniform(r, -1, 1), uniform(r, -1, 1), uniform(r, -1, 1)};
@@ -65,7 +54,7 @@ static float worst_over_people(void (*make)(rng *), float thin, uint16_t seen, i
     float worst = 0;
     for (int n = 0; n < count;) {
         make(&r);
-        root(person);
+        root_at_mid_hip(person);
         if (thinness(person) < thin || thinness(person) > 2 * thin) continue;
         n++;
         turn_and_run(&r, seen);
@@ -109,7 +98,7 @@ static void points_spread_evenly_come_back_to_rounding(void)
     static const edml_point axes[] = {{.7F, 0, 0}, {-.7F, 0, 0}, {0, .7F, 0},
                                       {0, -.7F, 0}, {0, 0, .7F}, {0, 0, -.7F}};
     memcpy(person + 8, axes, sizeof axes);
-    root(person);
+    root_at_mid_hip(person);
     for (int n = 0; n < 50; n++) {
         turn_and_run(&r, ALL_SEEN);
         TEST_ASSERT_ERROR_UP_TO(ORIENT_EVEN_TOLERANCE, worst_joint_error(x, person));
@@ -127,7 +116,7 @@ static void four_joints_are_enough_for_a_proper_rotation(void)
 {
     rng r = rng_seed(53);
     human_pose(person);
-    root(person);
+    root_at_mid_hip(person);
     pair_distances(distance, person);
     turn_and_run(&r, 1 << EDML_HEAD_TOP | 1 << EDML_R_ELBOW | 1 << EDML_L_WRIST | 1 << EDML_R_ANKLE);
     TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_distance_error(x, distance));
