@@ -67,25 +67,27 @@ static float share(float cutoff, float seconds)
 
 /* Moves a joint towards where it is seen.  One cutoff for all of its coordinates, by its speed in
  * units a second: so turning the camera changes nothing. */
-static void smooth(edml_moving *joint, edml_point seen, float seconds, edml_smoothing by, float unit,
-                   float lightness)
+static void smooth(edml_moving *joint, edml_point seen, float seconds, edml_smoothing by, float unit)
 {
     const edml_point step = minus(seen, joint->at);
     const edml_point news = minus(times(1 / seconds, step), joint->rate);
     joint->rate = plus(joint->rate, times(share(RATE_CUTOFF, seconds), news));
     const float x = joint->rate.x / unit, y = joint->rate.y / unit, z = joint->rate.z / unit;
     const float cutoff = by.cutoff + by.slope * sqrtf(x * x + y * y + z * z);
-    joint->at = plus(joint->at, times(share(lightness * cutoff, seconds), step));
+    joint->at = plus(joint->at, times(share(cutoff, seconds), step));
 }
 
-/* What cutoffs are multiplied by.  The sixth power tells a detector's noise from motion, which from frame
- * to frame is a third as large. */
-static float lightness(const edml_track *track)
+/* The filter that keypoints as steady as these want.  The sixth power tells a detector's noise from
+ * motion, which from frame to frame is a third as large. */
+static edml_smoothing lightened(edml_smoothing by, const edml_track *track)
 {
-    if (!(track->unsteady < track->noise)) return 1;
+    if (!(track->unsteady < track->noise)) return by;
     const int most = STEADIEST * track->unsteady <= track->noise; /* of nobody who moves, 0 */
     const float part = most ? STEADIEST : track->noise / track->unsteady;
-    return part * part * part * part * part * part;
+    const float power = part * part * part * part * part * part;
+    by.cutoff *= power;
+    by.slope *= power;
+    return by;
 }
 
 /* ---- Twins -------------------------------------------------------------------------------------- */
@@ -191,8 +193,8 @@ static void watch_steadiness(edml_track *track, const edml_keypoint in[], float 
         if (!(in[j].c > 0 && is_known(track, j))) continue;
         const edml_moving *joint = &track->image[j];
         const float seconds = 0.001F * (float)(track->age[j] + track->elapsed);
-        const float x = joint->at.x + seconds * joint->rate.x - in[j].x;
-        const float y = joint->at.y + seconds * joint->rate.y - in[j].y;
+        const edml_point expected = plus(joint->at, times(seconds, joint->rate));
+        const float x = in[j].x - expected.x, y = in[j].y - expected.y;
         sum += sqrtf(x * x + y * y) / size;
         count++;
     }
@@ -205,6 +207,7 @@ static void watch_steadiness(edml_track *track, const edml_keypoint in[], float 
 /* Smooths the seen joints; returns how far they moved on average. */
 static edml_point smooth_seen(edml_track *track, edml_keypoint in[], float size)
 {
+    const edml_smoothing by = lightened(track->smooth_image, track);
     edml_point moved = {0, 0, 0};
     float count = 0;
     for (int j = 0; j < EDML_JOINTS; j++) {
@@ -213,7 +216,7 @@ static edml_point smooth_seen(edml_track *track, edml_keypoint in[], float size)
         if (!(in[j].c > 0)) continue;
         if (is_known(track, j)) {
             const float seconds = 0.001F * (float)(track->age[j] + track->elapsed);
-            smooth(joint, seen, seconds, track->smooth_image, size, lightness(track));
+            smooth(joint, seen, seconds, by, size);
             moved = plus(moved, minus(joint->at, before));
             count++;
         } else {
@@ -282,6 +285,7 @@ static int sort_mirror(edml_track *track, edml_pose *out)
 
 static void steady_pose(edml_track *track, edml_pose *out)
 {
+    const edml_smoothing by = lightened(track->smooth_space, track);
     const int first = track->elapsed == 0;
     const float seconds = 0.001F * (float)track->elapsed;
     if (first) track->mirror = limit(out->mirror_margin, SUREST);
@@ -291,8 +295,7 @@ static void steady_pose(edml_track *track, edml_pose *out)
         if (first)
             track->space[j] = at_rest(out->joint[j]);
         else
-            smooth(&track->space[j], out->joint[j], seconds, track->smooth_space, 1,
-                   lightness(track));
+            smooth(&track->space[j], out->joint[j], seconds, by, 1);
         out->joint[j] = track->space[j].at;
     }
 }

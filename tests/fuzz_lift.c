@@ -106,11 +106,11 @@ static void lift_floats(const uint8_t *data)
     }
 }
 
-/* A short video: of each frame the bytes are those of the one before, moved on by one joint in a video of
- * odd length, and time may stand still or run back. */
+/* A short video.  The bytes of a frame are those of the one before, in half of the videos moved on by a
+ * joint; time may stand still or run back. */
 static void track_floats(const uint8_t *data)
 {
-    uint8_t moved[INPUT_BYTES];
+    uint8_t moved[INPUT_BYTES], first[JOINT_BYTES];
     edml_keypoint in[EDML_JOINTS];
     edml_pose pose, before;
     edml_work work;
@@ -134,8 +134,9 @@ static void track_floats(const uint8_t *data)
         }
         time += (uint32_t)(data[3] + n) % 97 - 5;
         if (data[2] % 2 == 0) continue;
-        memcpy(moved + 1, data + 1 + JOINT_BYTES, INPUT_BYTES - 1 - JOINT_BYTES);
-        memcpy(moved + INPUT_BYTES - JOINT_BYTES, data + 1, JOINT_BYTES);
+        memcpy(first, moved + 1, JOINT_BYTES);
+        memmove(moved + 1, moved + 1 + JOINT_BYTES, INPUT_BYTES - 1 - JOINT_BYTES);
+        memcpy(moved + INPUT_BYTES - JOINT_BYTES, first, JOINT_BYTES);
     }
 }
 

@@ -10,6 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+import network
 from skeleton import JOINTS
 
 Params = list[tuple[jax.Array, ...]]
@@ -25,8 +26,7 @@ def inputs(keypoints: jax.Array, mask: bool = False) -> jax.Array:
     [B,42], the last 14 being 1 for seen joints.
     """
     points, seen = keypoints[..., :2], keypoints[..., 2:] > 0
-    low = jnp.min(jnp.where(seen, points, jnp.inf), 1, keepdims=True)
-    high = jnp.max(jnp.where(seen, points, -jnp.inf), 1, keepdims=True)
+    low, high = (edge[:, None] for edge in network.box(keypoints))
     scaled = (points - (low + high) / 2) / ((high - low)[..., 1:] / 2)
     flat = jnp.where(seen, scaled, 0.0).reshape(len(points), -1)
     return jnp.concatenate([flat, seen[..., 0].astype(flat.dtype)], 1) if mask else flat

@@ -1,6 +1,7 @@
 """What a track makes of a video, through the C library: Markdown.
 
     evaluate_video.py MOTION [--fps 30] [--model fconn_f32] [--update docs/video.md --name NAME]
+    evaluate_video.py MOTION --noise 0    # with filters that see no difference
 
 MOTION is an .npz of tools/mocap.py, whose clips are the frames that follow one another within
 0.2 s, or a folder, read at --fps frames a second.  A clip is seen by four fixed cameras, exactly
@@ -234,7 +235,17 @@ def summarise(parts: list[tuple[dict, np.ndarray]], subject: np.ndarray) -> dict
     return figures
 
 
-def evaluate(library: Library, clips: list[Clip], seed: int = SEED) -> dict[str, dict]:
+def track(library: Library, view: View, clip: Clip, noise: float | None) -> Tracked:
+    """The frames through a track, whose setting `noise` may be another one."""
+    follower = library.track()
+    if noise is not None:
+        follower.state["noise"] = noise
+    return follower.lift(view.keypoints, clip.time)
+
+
+def evaluate(
+    library: Library, clips: list[Clip], seed: int = SEED, noise: float | None = None
+) -> dict[str, dict]:
     """Figures of each kind of detections: {column: {"alone": .., "tracked": .., count: ..}}."""
     rng = np.random.default_rng(seed)
     seen = [views(clip, rng) for clip in clips]
@@ -244,7 +255,7 @@ def evaluate(library: Library, clips: list[Clip], seed: int = SEED) -> dict[str,
         alone, tracked, counts = [], [], []
         for clip, view in zip(clips, seen, strict=True):
             alone.append(measure(library.lift(view[name].keypoints), clip))
-            poses = library.track().lift(view[name].keypoints, clip.time)
+            poses = track(library, view[name], clip, noise)
             tracked.append(measure(poses, clip))
             counts.append(exchanges(poses, view[name]))
         result[name] = {
@@ -293,6 +304,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
     parser.add_argument("--fps", type=float, default=30.0, help="of a folder (default: 30)")
     parser.add_argument("--model", default="fconn_f32")
+    parser.add_argument("--noise", type=float, help="edml_track's, instead of its own setting")
     parser.add_argument("--update", type=Path, help="Markdown file with marks for the table")
     parser.add_argument("--name", default="video", help="of the marks (default: video)")
     args = parser.parse_args(arguments)
@@ -305,7 +317,7 @@ def main(arguments: list[str] | None = None) -> int:
     if not clips:
         print(f"evaluate_video: no {SHORTEST} frames in a row", file=sys.stderr)
         return 1
-    text = markdown(evaluate(library, clips), clips)
+    text = markdown(evaluate(library, clips, noise=args.noise), clips)
     print(text, end="")
     if args.update:
         marks.write(args.update, args.name, text)

@@ -6,8 +6,9 @@
     export_weights.py theirs.onnx --manifest theirs.json --name theirs --out gen/theirs_f32.h
 
 Reads every format of tools/weights.py, and an .npz of tools/fconv_weights.py.  What a model needs
-beside its layers comes from the manifest, the JSON file beside the weights.  The same layers and
-settings give the same header, whatever file they came from.
+beside its layers comes from the manifest, the JSON file beside the weights; without `blend`
+in it, poses are not moved to the image.  The same layers and settings give the same header,
+whatever file they came from.
 
 `--quantise` needs to know what the hidden layers reach: `--calibrate MOTION` measures it once, on
 views of the training people (an .npz or a folder that tools/mocap.py reads), and notes it in the

@@ -230,7 +230,10 @@ def predict(net: ModuleType, params, keypoints: np.ndarray) -> np.ndarray:
     return np.concatenate([predict_block(net, params, block) for block in blocks])
 
 
-mean_errors = jax.jit(lambda *given: pose_errors(*given).mean(1))
+@jax.jit
+def mean_errors(distances, keypoints, truth, blend):
+    """The mean of each pose's, [B]."""
+    return pose_errors(distances, keypoints, truth, blend).mean(1)
 
 
 def validate(net: ModuleType, params, columns, subject: np.ndarray) -> dict[str, float]:
@@ -257,6 +260,8 @@ class Run:
             make_epoch(loss, recipe, optimizer) for loss in self.losses()
         )
         params = self.start()
+        if recipe.blend:
+            params = params | {"blend": network.BLEND}
         self.carry = (params, params, optimizer.init(params))
         self.epoch = 0
         self.curve: dict[int, dict[str, float]] = {}  # epoch -> validation error by column, mm
@@ -266,11 +271,10 @@ class Run:
         return distance_losses(self.recipe)
 
     def start(self) -> dict[str, jax.Array]:
-        """Parameters before the first epoch."""
+        """The network's parameters before the first epoch."""
         joints = self.motion.joints
         mean = np.linalg.norm(joints[:, PAIRS[0]] - joints[:, PAIRS[1]], axis=-1).mean(0)
-        params = self.network.init(mean, self.seed)
-        return params | {"blend": network.BLEND} if self.recipe.blend else params
+        return self.network.init(mean, self.seed)
 
     @property
     def network(self) -> ModuleType:

@@ -147,8 +147,7 @@ class Run(train.Run):
         mean = (truth - truth.mean(1, keepdims=True)).mean(0)
         widths = ((3 if self.recipe.mask else 2) * len(JOINTS), *self.recipe.hidden)
         widths = (*widths, cartesian.OUTPUTS)
-        params = {"layers": cartesian.init(widths, mean, self.recipe.residual, self.seed)}
-        return params | {"blend": network.BLEND} if self.recipe.blend else params
+        return {"layers": cartesian.init(widths, mean, self.recipe.residual, self.seed)}
 
     @property
     def layers(self) -> cartesian.Params:

@@ -77,6 +77,10 @@ def test_left_is_left(library, beam):
 
 
 def test_the_mirror_image_is_the_right_one(library, beam):
+    margins_of_wrong_images(library, beam)
+
+
+def margins_of_wrong_images(library, beam) -> np.ndarray:
     keypoints = np.concatenate([put_right(clip) for clip in beam.values()])
     truth = np.concatenate([clip.truth for clip in beam.values()])
     poses = library.lift(keypoints)
@@ -84,8 +88,13 @@ def test_the_mirror_image_is_the_right_one(library, beam):
     chosen, other = (rigid_errors(p, truth).mean(1) for p in (joints, joints * [1, 1, -1]))
     wrong = chosen > other
     assert wrong.mean() <= 0.05  # measured 2 of 80
-    # The margin says nothing of these two, but there either image is as bad: 139 against 132 mm.
-    assert (chosen - other)[wrong].max(initial=0) < 0.010
+    assert (chosen - other)[wrong].max(initial=0) < 0.010  # there either is as bad: 139, 132 mm
+    return poses.margin[wrong]
+
+
+@pytest.mark.xfail(reason="4.1 in two frames, which the margin does not warn of", strict=True)
+def test_the_margin_warns_of_a_wrong_mirror_image(library, beam):
+    assert (margins_of_wrong_images(library, beam) < 2).all()
 
 
 def test_a_known_camera_puts_the_man_where_he_is(library, beam):

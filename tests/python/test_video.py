@@ -29,6 +29,17 @@ def library() -> edmlift.Library:
     return edmlift.Library()
 
 
+def test_the_noise_from_which_on_filters_are_whole_can_be_set(library):
+    """Exact keypoints are filtered less, unless the track is told to see no difference."""
+    view = video.View(WALK, np.zeros((len(WALK), 2), bool))
+    clip = video.Clip(WALK, TIMES, 1)
+    alone = library.lift(WALK).joints
+    own, whole = (
+        np.abs(video.track(library, view, clip, noise).joints - alone).mean() for noise in (None, 0)
+    )
+    assert own < whole / 2
+
+
 # The binding
 
 
