@@ -227,6 +227,12 @@ typedef struct {
     edml_point at, rate; /* rate: a second */
 } edml_moving;
 
+typedef struct {
+    edml_moving image, space;
+    float off_x, off_y; /* last seen, from where it was expected, in sizes of the body */
+    uint16_t age;       /* ms since */
+} edml_tracked_joint;
+
 enum { EDML_EXCHANGED_ARMS = 1, EDML_EXCHANGED_LEGS = 2 };
 
 /* One person in a video: the caller's, one for each. */
@@ -235,10 +241,11 @@ typedef struct {
     edml_smoothing smooth_image; /* of keypoints; unit of speed: the body's size a second, which is the
                                     seen joints' mean |x| + |y| from their middle */
     edml_smoothing smooth_space; /* of poses; m/s */
-    float noise; /* how far keypoints are from where the past lets expect them, on average, in sizes of
-                    the body, if all of that is wanted; of steadier ones less is.  0: all, always */
+    float noise; /* of keypoints, in sizes of the body, from which on all of that is wanted; of steadier
+                    ones less is.  0: all, always */
     /* Report on the last frame that was lifted. */
-    float unsteady;    /* what `noise` is compared with, over the last 0.2 s or so */
+    float unsteady;    /* what `noise` is compared with: how much keypoints jump, motion aside, about
+                          where the past lets expect them; over the last 0.2 s or so */
     uint32_t elapsed;  /* ms since the one before; 0: there is none, or too long ago */
     uint16_t held;     /* bit j: joint j was not seen, but lately */
     uint8_t exchanged; /* EDML_EXCHANGED_ARMS, _LEGS: right and left were, by the detector */
@@ -247,8 +254,7 @@ typedef struct {
     uint8_t started;
     uint32_t time; /* ms */
     float arms, legs, mirror;
-    uint16_t age[EDML_JOINTS]; /* ms */
-    edml_moving image[EDML_JOINTS], space[EDML_JOINTS];
+    edml_tracked_joint joint[EDML_JOINTS];
 } edml_track;
 
 void edml_track_start(edml_track *track);
@@ -263,7 +269,7 @@ void edml_track_start(edml_track *track);
  *   EDML_ERR_TIME            not later than the last frame: one that was overtaken, or a clock that was
  *                            set back; then edml_track_start()
  *   EDML_ERR_TOO_FEW_JOINTS  also: fewer than 7 seen, however many are held
- * With a status other than EDML_OK the track, too, is untouched.  About 1 KB of stack more. */
+ * With a status other than EDML_OK the track, too, is untouched.  About 1.2 KB of stack more. */
 edml_status edml_track_lift(edml_pose *pose, edml_track *track,
                             const edml_keypoint in[EDML_JOINTS], uint32_t time_ms,
                             const edml_model *model, edml_work *work);

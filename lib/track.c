@@ -22,7 +22,7 @@ enum { FEWEST_SEEN = EDML_JOINTS / 2 };
 #define RATE_CUTOFF 4.0F /* Hz */
 
 /* Filters of keypoints as steady as a usual detector's; steadier ones want less of them. */
-#define NOISE 0.115F       /* how far off those are from where they are expected, in body sizes ... */
+#define NOISE 0.115F       /* how much those jump, see watch_steadiness(), in body sizes ... */
 #define NOISE_SECONDS 0.2F /* ... averaged over */
 #define STEADIEST 3.0F     /* times as steady: no filter gets lighter than of these */
 
@@ -77,14 +77,14 @@ static void smooth(edml_moving *joint, edml_point seen, float seconds, edml_smoo
     joint->at = plus(joint->at, times(share(cutoff, seconds), step));
 }
 
-/* The filter that keypoints as steady as these want.  The sixth power tells a detector's noise from
- * motion, which from frame to frame is a third as large. */
+/* The filter that keypoints as steady as these want.  The fourth power tells a detector's noise from
+ * motion, of which watch_steadiness() sees a fifth as much. */
 static edml_smoothing lightened(edml_smoothing by, const edml_track *track)
 {
     if (!(track->unsteady < track->noise)) return by;
     const int most = STEADIEST * track->unsteady <= track->noise; /* of nobody who moves, 0 */
     const float part = most ? STEADIEST : track->noise / track->unsteady;
-    const float power = part * part * part * part * part * part;
+    const float power = part * part * part * part;
     by.cutoff *= power;
     by.slope *= power;
     return by;
@@ -115,7 +115,7 @@ static int turns_over(float *belief, float continuity, float evidence)
 /* ---- Right and left ------------------------------------------------------------------------------ */
 
 /* Was it seen lately? */
-static int is_known(const edml_track *track, int j) { return track->age[j] <= HOLD; }
+static int is_known(const edml_track *track, int j) { return track->joint[j].age <= HOLD; }
 
 /* Mean distance along x and along y, added, of the seen joints from their middle. */
 static float body_size(const edml_keypoint in[])
@@ -141,8 +141,8 @@ static float side_continuity(const edml_track *track, const edml_keypoint in[], 
     for (int r = right; r < right + 3; r++) {
         const int l = edml_mirror_joint[r];
         if (!(in[r].c > 0 && in[l].c > 0 && is_known(track, r) && is_known(track, l))) continue;
-        const edml_point was = minus(track->image[r].at, track->image[l].at);
-        const edml_point rate = minus(track->image[r].rate, track->image[l].rate);
+        const edml_point was = minus(track->joint[r].image.at, track->joint[l].image.at);
+        const edml_point rate = minus(track->joint[r].image.rate, track->joint[l].image.rate);
         const edml_point expected = plus(was, times(seconds, rate));
         sum += 2 * ((in[r].x - in[l].x) / size) * (expected.x / size);
         sum += 2 * ((in[r].y - in[l].y) / size) * (expected.y / size);
@@ -154,14 +154,9 @@ static void exchange_past(edml_track *track, int right)
 {
     for (int r = right; r < right + 3; r++) {
         const int l = edml_mirror_joint[r];
-        const edml_moving image = track->image[r], space = track->space[r];
-        const uint16_t age = track->age[r];
-        track->image[r] = track->image[l];
-        track->space[r] = track->space[l];
-        track->age[r] = track->age[l];
-        track->image[l] = image;
-        track->space[l] = space;
-        track->age[l] = age;
+        const edml_tracked_joint right_one = track->joint[r];
+        track->joint[r] = track->joint[l];
+        track->joint[l] = right_one;
     }
 }
 
@@ -185,17 +180,21 @@ static int sort_sides(edml_track *track, edml_keypoint in[], int right, float *b
 
 /* ---- The image ------------------------------------------------------------------------------------ */
 
-/* Follows how far keypoints are from where they are expected. */
+/* Follows how noisy keypoints are.  Motion that is faster than expected stays so for some frames, noise
+ * does not: it is in how much keypoints are elsewhere from what is expected than in the last frame. */
 static void watch_steadiness(edml_track *track, const edml_keypoint in[], float size)
 {
     float sum = 0, count = 0;
     for (int j = 0; j < EDML_JOINTS; j++) {
+        edml_tracked_joint *joint = &track->joint[j];
         if (!(in[j].c > 0 && is_known(track, j))) continue;
-        const edml_moving *joint = &track->image[j];
-        const float seconds = 0.001F * (float)(track->age[j] + track->elapsed);
-        const edml_point expected = plus(joint->at, times(seconds, joint->rate));
-        const float x = in[j].x - expected.x, y = in[j].y - expected.y;
-        sum += sqrtf(x * x + y * y) / size;
+        const float seconds = 0.001F * (float)(joint->age + track->elapsed);
+        const edml_point expected = plus(joint->image.at, times(seconds, joint->image.rate));
+        const float x = (in[j].x - expected.x) / size, y = (in[j].y - expected.y) / size;
+        const float more_x = x - joint->off_x, more_y = y - joint->off_y;
+        joint->off_x = x;
+        joint->off_y = y;
+        sum += sqrtf((more_x * more_x + more_y * more_y) / 2); /* of noise, for both have it */
         count++;
     }
     if (!(count > 0)) return;
@@ -211,20 +210,21 @@ static edml_point smooth_seen(edml_track *track, edml_keypoint in[], float size)
     edml_point moved = {0, 0, 0};
     float count = 0;
     for (int j = 0; j < EDML_JOINTS; j++) {
-        edml_moving *joint = &track->image[j];
-        const edml_point seen = {in[j].x, in[j].y, 0}, before = joint->at;
+        edml_tracked_joint *joint = &track->joint[j];
+        const edml_point seen = {in[j].x, in[j].y, 0}, before = joint->image.at;
         if (!(in[j].c > 0)) continue;
         if (is_known(track, j)) {
-            const float seconds = 0.001F * (float)(track->age[j] + track->elapsed);
-            smooth(joint, seen, seconds, by, size);
-            moved = plus(moved, minus(joint->at, before));
+            const float seconds = 0.001F * (float)(joint->age + track->elapsed);
+            smooth(&joint->image, seen, seconds, by, size);
+            moved = plus(moved, minus(joint->image.at, before));
             count++;
         } else {
-            *joint = at_rest(seen);
+            joint->image = at_rest(seen);
+            joint->off_x = joint->off_y = 0;
         }
-        track->age[j] = 0;
-        in[j].x = joint->at.x;
-        in[j].y = joint->at.y;
+        joint->age = 0;
+        in[j].x = joint->image.at.x;
+        in[j].y = joint->image.at.y;
     }
     return count > 0 ? times(1 / count, moved) : moved;
 }
@@ -235,12 +235,12 @@ static uint16_t hold_missing(edml_track *track, edml_keypoint in[], edml_point m
     uint16_t held = 0;
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (in[j].c > 0) continue;
-        const uint32_t age = track->age[j] + track->elapsed;
-        track->age[j] = (uint16_t)(age <= HOLD ? age : HOLD + 1);
+        const uint32_t age = track->joint[j].age + track->elapsed;
+        track->joint[j].age = (uint16_t)(age <= HOLD ? age : HOLD + 1);
         if (!is_known(track, j)) continue;
-        track->image[j].at = plus(track->image[j].at, moved);
-        in[j].x = track->image[j].at.x;
-        in[j].y = track->image[j].at.y;
+        track->joint[j].image.at = plus(track->joint[j].image.at, moved);
+        in[j].x = track->joint[j].image.at.x;
+        in[j].y = track->joint[j].image.at.y;
         in[j].c = 1;
         held = (uint16_t)(held | 1U << j);
     }
@@ -269,12 +269,12 @@ static void steady_image(edml_track *track, edml_keypoint in[], float size)
 static int sort_mirror(edml_track *track, edml_pose *out)
 {
     float continuity = 0;
-    for (int j = 0; j < EDML_JOINTS; j++) continuity += 4 * out->joint[j].z * track->space[j].at.z;
+    for (int j = 0; j < EDML_JOINTS; j++) continuity += 4 * out->joint[j].z * track->joint[j].space.at.z;
     continuity *= MIRROR_CONTINUES / (0.001F * (float)track->elapsed);
     if (turns_over(&track->mirror, continuity, out->mirror_margin)) {
         for (int j = 0; j < EDML_JOINTS; j++) {
-            track->space[j].at.z = -track->space[j].at.z;
-            track->space[j].rate.z = -track->space[j].rate.z;
+            track->joint[j].space.at.z = -track->joint[j].space.at.z;
+            track->joint[j].space.rate.z = -track->joint[j].space.rate.z;
         }
         continuity = -continuity;
     }
@@ -293,10 +293,10 @@ static void steady_pose(edml_track *track, edml_pose *out)
     out->mirror_margin = track->mirror;
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (first)
-            track->space[j] = at_rest(out->joint[j]);
+            track->joint[j].space = at_rest(out->joint[j]);
         else
-            smooth(&track->space[j], out->joint[j], seconds, by, 1);
-        out->joint[j] = track->space[j].at;
+            smooth(&track->joint[j].space, out->joint[j], seconds, by, 1);
+        out->joint[j] = track->joint[j].space.at;
     }
 }
 
@@ -322,7 +322,7 @@ static void move_on(edml_track *track, uint32_t time_ms)
     track->elapsed = 0;
     track->arms = track->legs = LABELS;
     track->unsteady = track->noise / 2; /* until it is known */
-    for (int j = 0; j < EDML_JOINTS; j++) track->age[j] = HOLD + 1;
+    for (int j = 0; j < EDML_JOINTS; j++) track->joint[j].age = HOLD + 1;
 }
 
 edml_status edml_track_lift(edml_pose *out, edml_track *track, const edml_keypoint in[EDML_JOINTS],

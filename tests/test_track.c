@@ -200,8 +200,8 @@ static void the_filter_is_the_papers(void)
         missed = n == 15 ? seconds : 0;
         time += 40 + (uint32_t)n % 3;
         TEST_ASSERT_EQUAL_INT(EDML_OK, run(time));
-        const float rest_at = track.image[EDML_NECK].at.x - other.image[EDML_NECK].at.x;
-        const float wrist_at = track.image[EDML_L_WRIST].at.x - other.image[EDML_L_WRIST].at.x;
+        const float rest_at = track.joint[EDML_NECK].image.at.x - other.joint[EDML_NECK].image.at.x;
+        const float wrist_at = track.joint[EDML_L_WRIST].image.at.x - other.joint[EDML_L_WRIST].image.at.x;
         TEST_ASSERT_FLOAT_WITHIN(0.01F, (float)rest.at, rest_at);
         TEST_ASSERT_FLOAT_WITHIN(0.01F, (float)wrist.at, wrist_at);
     }
@@ -235,6 +235,17 @@ static void steady_keypoints_are_filtered_less(void)
     const double noisy = lag_of(noise, 20);
     TEST_ASSERT_TRUE(track.unsteady > noise);
     TEST_ASSERT_TRUE(noisy > 0.9 * lag_of(0, 20));
+}
+
+/* Half a turn a second, as 15 frames show it. */
+static void motion_is_not_taken_for_noise(void)
+{
+    start();
+    for (int n = 0; n < 60; n++) {
+        see_turned(6 * n);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * 2 * FRAME));
+        TEST_ASSERT_TRUE(n < 15 || track.unsteady < track.noise / 20);
+    }
 }
 
 static void without_filters_frames_are_as_lifted(void)
@@ -298,7 +309,7 @@ static void what_lasts_is_no_exchange(void)
         TEST_ASSERT_TRUE(track.exchanged == 0 || (n >= 20 && n < 20 + 500 / FRAME));
         if (track.exchanged) exchange(EDML_R_HIP);
         for (int j = 0; j < EDML_JOINTS; j++) /* none on its way between right and left */
-            TEST_ASSERT_FLOAT_WITHIN(0.01F, in[j].x, track.image[j].at.x);
+            TEST_ASSERT_FLOAT_WITHIN(0.01F, in[j].x, track.joint[j].image.at.x);
     }
     TEST_ASSERT_TRUE(undone * FRAME >= 250);
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work));
@@ -374,7 +385,7 @@ static void a_held_joint_moves_along(void)
         for (int j = 0; j < EDML_JOINTS; j++) in[j].x += 3 * (float)n;
         if (n >= 10) in[EDML_L_ANKLE].c = 0;
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
-        const float leg = track.image[EDML_L_ANKLE].at.x - track.image[EDML_L_KNEE].at.x;
+        const float leg = track.joint[EDML_L_ANKLE].image.at.x - track.joint[EDML_L_KNEE].image.at.x;
         TEST_ASSERT_FLOAT_WITHIN(1, in[EDML_L_ANKLE].x - in[EDML_L_KNEE].x, leg);
     }
 }
@@ -510,6 +521,7 @@ int main(void)
     RUN_TEST(noise_is_more_than_halved);
     RUN_TEST(the_filter_is_the_papers);
     RUN_TEST(steady_keypoints_are_filtered_less);
+    RUN_TEST(motion_is_not_taken_for_noise);
     RUN_TEST(without_filters_frames_are_as_lifted);
     RUN_TEST(exchanges_are_undone);
     RUN_TEST(a_turn_is_not_undone);

@@ -103,6 +103,15 @@ class Placements:
 # edml_track.
 SMOOTHING = np.dtype([("cutoff", np.float32), ("slope", np.float32)])
 MOVING = np.dtype([("at", np.float32, 3), ("rate", np.float32, 3)])
+TRACKED_JOINT = np.dtype(
+    [
+        ("image", MOVING),
+        ("space", MOVING),
+        ("off", np.float32, 2),
+        ("age", np.uint16),
+    ],
+    align=True,
+)
 TRACK = np.dtype(
     [
         ("smooth_image", SMOOTHING),
@@ -118,9 +127,7 @@ TRACK = np.dtype(
         ("arms", np.float32),
         ("legs", np.float32),
         ("mirror", np.float32),
-        ("age", np.uint16, len(JOINTS)),
-        ("image", MOVING, len(JOINTS)),
-        ("space", MOVING, len(JOINTS)),
+        ("joint", TRACKED_JOINT, len(JOINTS)),
     ],
     align=True,
 )
