@@ -10,14 +10,15 @@
 
 #include "helpers.h"
 
+static const edml_camera by = {1145, 1145, 500, 500};
 static edml_work memory;
 static edml_pose someone;
 static axes truth; /* the rotation that places them, in the view */
+static point place_of_truth; /* of their origin, from the camera */
 
 /* Someone 3 to 6 m away, noise in pixels on the image: a view of them. */
 static view random_view(rng *r, float noise)
 {
-    static const edml_camera by = {1145, 1145, 500, 500};
     edml_keypoint image[EDML_JOINTS];
     edml_point x[EDML_JOINTS];
     view v;
@@ -39,6 +40,7 @@ static view random_view(rng *r, float noise)
                                  {(float)turn.at[1][0], (float)turn.at[1][1], (float)turn.at[1][2]},
                                  {(float)turn.at[2][0], (float)turn.at[2][1], (float)turn.at[2][2]}};
     truth = after(&v.look, &in_camera_axes);
+    place_of_truth = (point){across, 0, depth};
     return v;
 }
 
@@ -174,25 +176,47 @@ static void the_start_is_near_and_its_twin_is_not(void)
     TEST_ASSERT_TRUE(near > 190);
 }
 
-/* Without the closed form: what the iteration alone makes of any rotation that leaves the person in
- * front of the camera, and of its twin.  The others walk behind the camera, or end their steps. */
+/* The better of what the iteration makes of a rotation and of its twin; 0 if both lead nowhere. */
+static int descend_from(station *s, const view *v, axes turn)
+{
+    station twin;
+    s->turn = turn;
+    const int first = descend(s, v);
+    const int second = reverse(&twin, v, s) ? descend(&twin, v) : -1;
+    if (second >= 0 && (first < 0 || twin.error < s->error)) *s = twin;
+    return first >= 0 || second >= 0;
+}
+
+static int is_found(const station *s, const view *v)
+{
+    edml_placement out;
+    if (write_placement(&out, v, s, &someone, &by, 0) != EDML_OK) return 0;
+    return off_by(&s->turn, &truth) < 0.0017F /* 0.1 degrees */ &&
+           norm(minus(out.translation, place_of_truth)) < 0.001F * norm(place_of_truth);
+}
+
+/* Without the closed form: of random rotations that leave the person in front of the camera, one leads
+ * to the truth but for some in a hundred, which walk behind the camera or end elsewhere.  So of four the
+ * least error is always the truth's. */
 static void random_starts_lead_to_the_truth(void)
 {
     rng r = rng_seed(97);
-    int tried = 0, found = 0;
-    while (tried < 1000) {
+    int alone = 0;
+    for (int n = 0; n < 1000; n++) {
         const view v = random_view(&r, 0);
-        station s, twin;
-        s.turn = random_axes(&r);
-        if (!place(&s, &v)) continue;
-        tried++;
-        const int first = descend(&s, &v);
-        const int second = reverse(&twin, &v, &s) ? descend(&twin, &v) : -1;
-        if (second >= 0 && (first < 0 || twin.error < s.error)) s = twin;
-        found += off_by(&s.turn, &truth) < 0.0017F; /* 0.1 degrees */
+        station best = {0};
+        for (int tried = 0; tried < 4;) {
+            station s;
+            s.turn = random_axes(&r);
+            if (!place(&s, &v)) continue;
+            const int led = descend_from(&s, &v, s.turn);
+            if (tried++ == 0) alone += led && is_found(&s, &v);
+            if (led && (!(best.shift.z > 0) || s.error < best.error)) best = s;
+        }
+        TEST_ASSERT_TRUE(is_found(&best, &v));
     }
-    printf("camera: %d of 1000 found from a random rotation\n", found);
-    TEST_ASSERT_TRUE(found >= 900);
+    printf("camera: %d of 1000 found from one random rotation, all from four\n", alone);
+    TEST_ASSERT_TRUE(alone >= 900);
 }
 
 int main(void)
