@@ -54,8 +54,8 @@ def predict(params: Params, edm: jax.Array) -> jax.Array:
 def forward(
     params: Params, edm: jax.Array, key: jax.Array | None, dropout: float, batch: bool = True
 ) -> tuple[jax.Array, Params]:
-    """The same normalised by the batch, with dropout behind both deconvolutions; and the running
-    means and variances after it."""
+    """The same normalised by the batch, with dropout behind both convolutions and the first
+    deconvolution, as in the paper; and the running means and variances after it."""
     running = {}
 
     def normalise(x, bn):
@@ -77,11 +77,12 @@ def forward(
 
     x = jnp.zeros((len(edm), COUNT, COUNT)).at[:, PAIRS[0], PAIRS[1]].set(edm)
     x = conv1(x + x.transpose(0, 2, 1), params["conv1_weight"]) + params["conv1_bias"]
-    x = max_pool(normalise(x, "bn1"))
-    x = max_pool(normalise(conv2(x, params["conv2_weight"]) + params["conv2_bias"], "bn2"))
-    for layer, size in (("deconv1", COUNT // 2), ("deconv2", COUNT)):
-        x = deconv(x, params[f"{layer}_weight"], size) + params[f"{layer}_bias"]
-        x = drop(jax.nn.relu(x), size)
+    x = drop(max_pool(normalise(x, "bn1")), 0)
+    x = conv2(x, params["conv2_weight"]) + params["conv2_bias"]
+    x = drop(max_pool(normalise(x, "bn2")), 1)
+    x = deconv(x, params["deconv1_weight"], COUNT // 2) + params["deconv1_bias"]
+    x = drop(jax.nn.relu(x), 2)
+    x = jax.nn.relu(deconv(x, params["deconv2_weight"], COUNT) + params["deconv2_bias"])
     z = x @ params["conv3_weight"] + params["conv3_bias"]
     z = jax.nn.relu((z + z.transpose(0, 2, 1)) / 2)
     return z[:, PAIRS[0], PAIRS[1]], running

@@ -137,6 +137,21 @@ def test_dropout_is_for_training_only():
     assert not np.array_equal(still, fconn.forward(params, x, jax.random.key(0), 0.5)[0])
 
 
+def test_fconv_drops_where_the_paper_does(monkeypatch):
+    """Behind both poolings and the first deconvolution; here all, and the last bias is left."""
+    shapes = []
+
+    def all_dropped(key, keep, shape):
+        shapes.append(shape[1:])
+        return jnp.zeros(shape, bool)
+
+    monkeypatch.setattr(jax.random, "bernoulli", all_dropped)
+    params = fconv.init(np.ones(91), 0)
+    out, _ = fconv.forward(params, jnp.ones((3, 91)), jax.random.key(0), 0.5)
+    assert shapes == [(7, 7, 64), (4, 4, 64), (7, 7, 64)]
+    assert np.allclose(out, params["conv3_bias"])
+
+
 def test_fconv_has_the_papers_parameters():
     params = fconv.init(np.ones(91), 0)
     observed = ("_mean", "_variance")
