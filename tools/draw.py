@@ -154,6 +154,13 @@ def turn(points: np.ndarray, degrees: float) -> np.ndarray:
     return np.stack([right * scale, up * scale, near], -1)
 
 
+def upright(points: np.ndarray, pitch: float) -> np.ndarray:
+    """Axes of a camera that looks down by so many degrees -> those of a level one, [...,3]."""
+    c, s = np.cos(np.radians(pitch)), np.sin(np.radians(pitch))
+    x, y, z = np.moveaxis(points, -1, 0)
+    return np.stack([x, c * y + s * z, c * z - s * y], -1)
+
+
 def with_middle(points: np.ndarray) -> np.ndarray:
     """[14,D] -> [15,D]: adds the middle of the hips, of those that are not NaN."""
     hips = points[HIPS]
@@ -502,6 +509,13 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--truth", type=Path, help="true 3D poses, 42 numbers a line, metres")
     parser.add_argument("--title", help="heading of the picture")
     parser.add_argument(
+        "--pitch",
+        type=float,
+        default=0.0,
+        metavar="DEGREES",
+        help="by which the camera looked down: the floor is level then (default: 0)",
+    )
+    parser.add_argument(
         "--threshold",
         type=float,
         default=0.0,
@@ -542,6 +556,10 @@ def draw(options: argparse.Namespace) -> None:
     if truth is not None:
         files["truth"] = (options.truth, truth)
     _same_length(**files)
+    if not abs(options.pitch) <= 90:
+        raise DrawError(f"--pitch {options.pitch:g}: must be within 90 degrees")
+    poses = upright(poses, options.pitch)
+    truth = None if truth is None else upright(truth, options.pitch)
     try:
         if kind == ".gif":
             draw_animation(keypoints, poses, status, options.out, truth, options.title)

@@ -144,6 +144,14 @@ def test_views():
         assert draw.turn(near, degrees)[2] > 0.9
 
 
+def test_a_pitched_cameras_poses_are_turned_upright():
+    pitch = np.radians(30)
+    up = np.array([0, -np.cos(pitch), -np.sin(pitch)])  # in axes of a camera that looks down
+    poses = np.stack([2 * up, [1.0, 0, 0]])
+    assert draw.upright(poses, 30) == pytest.approx(np.array([[0, -2, 0], [1, 0, 0]]))
+    assert (draw.upright(poses, 0) == poses).all()
+
+
 def test_read_keypoints_reads_what_lift_stdin_does(tmp_path: Path):
     path = tmp_path / "in.csv"
     numbers = np.arange(1, 29)
@@ -189,6 +197,11 @@ def test_files_of_unequal_length(tmp_path: Path, lifted: Path, capsys: pytest.Ca
     message = fails(capsys, WALK, lifted, "--out", out, "--truth", DATA / "kick_truth.csv")
     assert "kick_truth.csv has 47" in message
     assert not out.exists()
+
+
+def test_no_camera_looks_down_by_more_than_a_right_angle(lifted: Path, tmp_path: Path, capsys):
+    assert run(WALK, lifted, "--out", tmp_path / "a.png", "--pitch", "91") == 1
+    assert capsys.readouterr().err == "draw: --pitch 91: must be within 90 degrees\n"
 
 
 def test_unreadable_files(tmp_path: Path, lifted: Path, capsys: pytest.CaptureFixture):
