@@ -56,6 +56,7 @@ def test_the_gradient_through_the_mds_is_the_slope():
         points = network.classical_mds(distance[None])[0]
         return jnp.sum(jnp.asarray(weight) * (points @ points.T))
 
+    jax.clear_caches()  # what other tests traced is of 32 bits
     with jax.enable_x64():
         gradient = jax.grad(value)(jnp.asarray(start))
         for k in rng.choice(91, 12, replace=False):
