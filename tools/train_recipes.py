@@ -46,6 +46,7 @@ RECIPES = {
     "blended with the image, batches of 64": l2(l2_epochs=20, mds_epochs=480, blend=True),
     "the same, as long as FConv": l2(l2_epochs=5, mds_epochs=25, blend=True),
     "FConv: the paper's, exact 2D": fconv(),
+    "FConv: the paper's, both": fconv(**detector),
     "FConv: the paper's, both, joints hidden": fconv(masks=True, **detector),
 }
 
