@@ -146,7 +146,8 @@ static void set_camera(options *set, const char *text)
     float n[4];
     const int read = read_list(n, 4, text);
     if (!read || !(n[0] > 0 && n[1] > 0)) {
-        fprintf(stderr, "lift_stdin: --camera must be FX,FY,CX,CY in pixels, not '%s'\n", text);
+        fprintf(stderr, "lift_stdin: --camera must be FX,FY,CX,CY in pixels, FX and FY over 0, not '%s'\n",
+                text);
         exit(EXIT_TROUBLE);
     }
     const edml_camera camera = {n[0], n[1], n[2], n[3]};
@@ -157,7 +158,7 @@ static void set_focal(options *set, const char *text)
 {
     set->sweep = strcmp(text, "sweep") == 0;
     if (set->sweep || (read_list(&set->focal, 1, text) && set->focal > 0)) return;
-    fprintf(stderr, "lift_stdin: --focal must be a number of pixels or 'sweep', not '%s'\n", text);
+    fprintf(stderr, "lift_stdin: --focal must be a number of pixels over 0 or 'sweep', not '%s'\n", text);
     exit(EXIT_TROUBLE);
 }
 
