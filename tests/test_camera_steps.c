@@ -176,11 +176,10 @@ static void the_start_is_near_and_its_twin_is_not(void)
     TEST_ASSERT_TRUE(near > 190);
 }
 
-/* The better of what the iteration makes of a rotation and of its twin; 0 if both lead nowhere. */
-static int descend_from(station *s, const view *v, axes turn)
+/* The better of what the iteration makes of a station and of its twin; 0 if both lead nowhere. */
+static int descend_both_ways(station *s, const view *v)
 {
     station twin;
-    s->turn = turn;
     const int first = descend(s, v);
     const int second = reverse(&twin, v, s) ? descend(&twin, v) : -1;
     if (second >= 0 && (first < 0 || twin.error < s->error)) *s = twin;
@@ -209,7 +208,7 @@ static void random_starts_lead_to_the_truth(void)
             station s;
             s.turn = random_axes(&r);
             if (!place(&s, &v)) continue;
-            const int led = descend_from(&s, &v, s.turn);
+            const int led = descend_both_ways(&s, &v);
             if (tried++ == 0) alone += led && is_found(&s, &v);
             if (led && (!(best.shift.z > 0) || s.error < best.error)) best = s;
         }
