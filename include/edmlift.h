@@ -102,7 +102,7 @@ const char *edml_status_name(edml_status status); /* "too_few_joints"; "?" when 
 /* A trained network and the settings that were measured with it; constant data in flash. */
 typedef struct edml_model edml_model;
 
-/* 91-128-128-91: in float32, and quantised, all in whole numbers, with weights of up to 16 and of
+/* FConn, 91-192-192-91 with left and right alike, 36,817 weights: in float32, and quantised, all in whole numbers, with weights of up to 16 and of
  * 8 bits.  On a processor that multiplies whole numbers faster, or not floats, take these. */
 extern const edml_model edml_fconn_f32, edml_fconn_q15, edml_fconn_q7;
 
@@ -404,14 +404,24 @@ typedef struct {
 /* Index into the 91 values of an EDM: row by row above the diagonal, 0 <= i < j < 14. */
 #define EDML_PAIR(i, j) ((i) * (2 * EDML_JOINTS - 3 - (i)) / 2 + (j) - 1)
 
+/* Where a joint is expected in the image, given all the others: at their mean, weighted by its row, in
+ * units of 1 / EDML_COMPLETION_ONE, which is what a row adds up to.  The usual one is of the people
+ * that the shipped networks were trained on (tools/fit_completion.py). */
+#define EDML_COMPLETION_ONE 4096
+typedef struct {
+    int16_t weight[EDML_JOINTS][EDML_JOINTS]; /* a joint's own is 0 */
+} edml_completion;
+extern const edml_completion edml_usual_completion;
+
 /* 2D distances between the joints, normalised: one factor for x and y, half the vertical extent
- * of the seen joints is 1 (section 3.1).  Pairs with a joint that was not seen are zero.
- *   edm     [91] up to about 2 * widest
- *   fewest  joints that must be seen, else EDML_ERR_TOO_FEW_JOINTS
- *   widest  ratio of the box's width to its height that may not be passed, else EDML_ERR_UNUSUAL
+ * of the seen joints is 1 (section 3.1).
+ *   edm         [91] up to about 2 * widest, more where joints are guessed far outside
+ *   fewest      joints that must be seen, else EDML_ERR_TOO_FEW_JOINTS
+ *   widest      ratio of the box's width to its height that may not be passed, else EDML_ERR_UNUSUAL
+ *   completion  where joints are that were not seen, at most 9; NULL: pairs with one are zero
  * Also returns EDML_ERR_NOT_FINITE and EDML_ERR_DEGENERATE. */
 edml_status edml_edm_f32(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest,
-                         float widest);
+                         float widest, const edml_completion *completion);
 
 /* Distances in 3D that the model's network predicts (section 3.2); NaN if it is of the other kind.
  *   distance  [91] metres, >= 0
@@ -505,7 +515,7 @@ typedef struct {
 } edml_eigen_q24;
 
 edml_status edml_edm_q24(int32_t edm[EDML_PAIRS], const edml_keypoint_q16 in[EDML_JOINTS],
-                         int fewest, int32_t widest);
+                         int fewest, int32_t widest, const edml_completion *completion);
 void edml_net_q24(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
                   const edml_model *model, edml_work_q24 *work); /* a quantised model */
 void edml_net_fconv_q24(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
@@ -530,9 +540,9 @@ struct edml_work {
     edml_matrix_f32 matrix;
     edml_point x[EDML_JOINTS];
     union { /* stages that do not overlap in time */
-        float layer[2][128];
+        float layer[2][192];
         struct {
-            int32_t layer[2][128], edm[EDML_PAIRS];
+            int32_t layer[2][192], edm[EDML_PAIRS];
         } q24;
         edml_rotation_f32 turn[320];
         edml_point step[4][EDML_JOINTS];
@@ -544,7 +554,7 @@ struct edml_work_q24 {
     edml_matrix_q24 matrix;
     edml_point_q24 x[EDML_JOINTS];
     union {
-        int32_t layer[2][128];
+        int32_t layer[2][192];
         edml_rotation_q24 turn[320];
         edml_point_q24 step[4][EDML_JOINTS];
     } use;

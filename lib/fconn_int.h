@@ -14,7 +14,7 @@ typedef int32_t activation;
 
 static const int32_t *first_input(int32_t *x, const int32_t *edm) /* x may be edm */
 {
-    for (int k = 0; k < EDML_PAIRS; k++) x[k] = to_q12(edm[k]);
+    for (int k = 0; k < EDML_PAIRS; k++) x[k] = edm_value(edm[k], EDML_EDM_SHIFT);
     return x;
 }
 

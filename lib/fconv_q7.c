@@ -12,7 +12,7 @@ typedef edml_fconv_maps_q7 maps;
 
 #include "net_int.h"
 
-static int16_t first_input(int32_t edm) { return (int16_t)to_q12(edm); }
+static int16_t first_input(int32_t edm) { return (int16_t)edm_value(edm, EDML_EDM_SHIFT); }
 
 static int16_t activated(int32_t sum, const dense_layer *layer, int row)
 {

@@ -11,14 +11,15 @@
 
 /* Raised when the meaning of the generated data changes; a header of another format does not
  * compile. */
-#define EDML_WEIGHTS_FORMAT 3
+#define EDML_WEIGHTS_FORMAT 4
 
 enum {
-    EDML_LAYER_WIDEST = 128, /* units of a layer that fit edml_work */
+    EDML_LAYER_WIDEST = 192, /* units of a layer that fit edml_work */
     EDML_ROWS = 8,           /* rows of weights that lie side by side */
     EDML_ACTIVATION = 32767, /* the largest activation of a quantised network */
     EDML_FCONV_LAYERS = 5,
-    EDML_EDM_SHIFT = 12      /* its input is the EDM in Q24 shifted right by this: Q12, below 8 */
+    EDML_EDM_SHIFT = 12      /* its input is the EDM in Q24 shifted right by this: Q12, below 8; one
+                                more where left and right are alike */
 };
 
 /* EDML_APART: a function that must not be inlined: its caller goes deeper once it is done, and what it
@@ -42,14 +43,14 @@ typedef struct {
 } edml_dense_f32;
 
 /* In whole numbers: y = ((W x + b) factor + 2^(shift - 1)) >> shift, limited to 0 to `most`, the
- * product in 64 bits.  0 <= x <= EDML_ACTIVATION; the exporter proves, by the L1 norms of the rows,
+ * product in 64 bits.  0 <= x <= EDML_ACTIVATION, or half of it where left and right are alike; the exporter proves, by the L1 norms of the rows,
  * that no sum on the way to W x + b leaves 32 bits. */
 typedef struct {
     uint16_t inputs, outputs;
     const int16_t *weight; /* [groups][inputs][EDML_ROWS], EDML_IN_WORDS */
     const int32_t *bias, *factor; /* [groups * EDML_ROWS]; factor > 0 */
     uint8_t shift; /* 1 to 62 */
-    int32_t most; /* EDML_ACTIVATION; in the last layer, whose y is in metres, Q24: 3 m */
+    int32_t most; /* that of x; in the last layer, whose y is in metres, Q24: 3 m */
 } edml_dense_q15;
 
 typedef struct { /* the same with weights of 8 bits */
@@ -81,9 +82,10 @@ struct edml_model {
     const void *layers;
     uint8_t layer_count;
 
-    /* Limits of what it was trained on. */
+    /* Limits of what it was trained on, and what joints that are not seen are for it. */
     uint8_t fewest_joints;
     edml_number widest; /* largest ratio of the width to the height of the seen joints */
+    const edml_completion *completion; /* of edml_edm_f32() */
 
     /* What was measured with it. */
     uint8_t objective; /* edml_objective */
@@ -116,6 +118,18 @@ void edml__fconn_q7(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
 uint32_t edml__fconn_hash_f32(const edml_model *model);
 uint32_t edml__fconn_hash_q15(const edml_model *model);
 uint32_t edml__fconn_hash_q7(const edml_model *model);
+
+/* FConn with left and right alike: twin.inc.  Layers of n outputs are 2n units, a multiple of EDML_ROWS
+ * but in the last, whose n is 49; their inputs are those of the EDM or the 2n of the layer before. */
+void edml__twin_f32(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
+                    const edml_model *model, float layer[2][EDML_LAYER_WIDEST]);
+void edml__twin_q15(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
+                    const edml_model *model, int32_t layer[2][EDML_LAYER_WIDEST]);
+void edml__twin_q7(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
+                   const edml_model *model, int32_t layer[2][EDML_LAYER_WIDEST]);
+uint32_t edml__twin_hash_f32(const edml_model *model);
+uint32_t edml__twin_hash_q15(const edml_model *model);
+uint32_t edml__twin_hash_q7(const edml_model *model);
 
 /* FConv: fconv.inc in the arithmetic of fconv_f32.c and fconv_q7.c.  edml__fconv_refuse() is what its
  * models have for predict_f32: all distances are NaN. */

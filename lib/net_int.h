@@ -9,11 +9,11 @@
 
 typedef int32_t value;
 
-/* A distance of the EDM, 0 or more, from Q24 to Q12: to nearest, at most EDML_ACTIVATION. */
-static int32_t to_q12(int32_t q24)
+/* A distance of the EDM, 0 or more, from Q24 shifted to the right: to nearest, below 8. */
+static int32_t edm_value(int32_t q24, int shift)
 {
-    const int32_t q12 = ((q24 >> (EDML_EDM_SHIFT - 1)) + 1) >> 1;
-    return q12 < EDML_ACTIVATION ? q12 : EDML_ACTIVATION;
+    const int32_t most = (INT32_C(1) << (27 - shift)) - 1, rounded = ((q24 >> (shift - 1)) + 1) >> 1;
+    return rounded < most ? rounded : most;
 }
 
 /* From a sum of a row, 0 to 2^31 - 1, to its activation: times factor / 2^shift, to nearest, at most

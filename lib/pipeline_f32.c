@@ -7,6 +7,7 @@
 #include "seen.inc"
 #include "vector.inc"
 
+#include "complete.inc"
 #include "edm.inc"
 #include "jacobi.inc"
 #include "mds.inc"

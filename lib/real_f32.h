@@ -3,6 +3,7 @@
  *
  *   real, wide    a number; one that holds sums beyond the range of a real
  *   REAL(c)       a constant, SETTING(n) an edml_number of the model
+ *   FRACTION(a)   a whole number of 1 / EDML_COMPLETION_ONE
  *   MUL DIV SQRT  of reals; DIV is a ratio of any two like numbers
  *   HYPOT NORM    length of a vector of two and of three
  *   ABS NARROW    absolute value; a wide that is known to fit as a real
@@ -54,6 +55,7 @@ typedef float reported;
 
 #define REAL(constant) constant##F
 #define SETTING(number) (number).f32
+#define FRACTION(a) ((float)(a) * 0x1p-12F)
 #define EPSILON 0.0F
 #define MUL(a, b) ((a) * (b))
 #define DIV(a, b) ((a) / (b))

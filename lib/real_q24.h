@@ -31,6 +31,7 @@ typedef int32_t reported; /* Q16 */
 
 #define REAL(constant) ((real)((constant) * 16777216.0 + 0.5)) /* >= 0; folded by the compiler */
 #define SETTING(number) (number).q24
+#define FRACTION(a) ((real)(a) * 4096)
 #define EPSILON 8
 #define MUL(a, b) mul_q24(a, b)
 #define DIV(a, b) edml__divide_q24(a, b) /* error <= 1/2 unit in the last place */

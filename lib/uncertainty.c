@@ -15,14 +15,14 @@ typedef struct {
     uint8_t lost[MOST_MISSING - 1]; /* not seen, nor a neighbour, by how many were not: from 2 on */
 } joint_error;
 
-static const joint_error head = {{57, 61, 65, 69, 78}, 80, {76, 82, 88}};
-static const joint_error neck = {{32, 35, 38, 41, 48}, 40, {37, 43, 45}};
-static const joint_error shoulder = {{42, 46, 49, 52, 60}, 57, {56, 55, 62}};
-static const joint_error elbow = {{60, 65, 68, 74, 80}, 87, {99, 100, 115}};
-static const joint_error wrist = {{94, 102, 108, 115, 132}, 172, {178, 187, 213}};
-static const joint_error hip = {{40, 43, 48, 50, 61}, 56, {55, 54, 61}};
-static const joint_error knee = {{65, 70, 79, 84, 104}, 105, {110, 120, 129}};
-static const joint_error ankle = {{95, 103, 117, 128, 152}, 158, {172, 194, 198}};
+static const joint_error head = {{55, 56, 63, 63, 74}, 71, {68, 72, 75}};
+static const joint_error neck = {{31, 33, 37, 37, 46}, 36, {33, 36, 39}};
+static const joint_error shoulder = {{41, 43, 47, 48, 57}, 51, {47, 50, 54}};
+static const joint_error elbow = {{58, 60, 65, 67, 72}, 79, {100, 94, 108}};
+static const joint_error wrist = {{91, 95, 103, 102, 119}, 159, {184, 185, 212}};
+static const joint_error hip = {{39, 40, 46, 45, 57}, 48, {46, 46, 52}};
+static const joint_error knee = {{62, 64, 75, 75, 92}, 96, {111, 110, 121}};
+static const joint_error ankle = {{92, 96, 112, 113, 135}, 144, {177, 187, 189}};
 
 static const joint_error *const errors[EDML_JOINTS] = {
     &head,  &neck, &shoulder, &elbow, &wrist, &shoulder, &elbow,

@@ -69,10 +69,10 @@ static edml_point_q24 points[EDML_JOINTS];
 static edml_keypoint_q16 keypoints[EDML_JOINTS];
 
 edml_status q24_edm(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest,
-                    float widest)
+                    float widest, const edml_completion *completion)
 {
     to_q16(keypoints, in);
-    const edml_status status = edml_edm_q24(values, keypoints, fewest, q24(widest));
+    const edml_status status = edml_edm_q24(values, keypoints, fewest, q24(widest), completion);
     if (status == EDML_OK) all_floats(edm, values, EDML_PAIRS);
     return status;
 }

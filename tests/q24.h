@@ -16,7 +16,7 @@ void pose_to_q16(edml_pose_q16 *out, const edml_pose *pose);
 edml_camera_q16 camera_to_q16(edml_camera camera);
 
 edml_status q24_edm(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest,
-                    float widest);
+                    float widest, const edml_completion *completion);
 void q24_net(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,
              edml_work *work);
 void q24_jacobi(edml_eigen_f32 *eigen, const edml_matrix_f32 *a);

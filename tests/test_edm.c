@@ -31,7 +31,15 @@ static void someone(void)
     photograph(in, x);
 }
 
-static edml_status run(float out[EDML_PAIRS]) { return edml_edm_f32(out, in, FEWEST, WIDEST); }
+static edml_status run(float out[EDML_PAIRS])
+{
+    return edml_edm_f32(out, in, FEWEST, WIDEST, NULL);
+}
+
+static edml_status run_completed(float out[EDML_PAIRS])
+{
+    return edml_edm_f32(out, in, 1, WIDEST, &edml_usual_completion);
+}
 
 /* in -> a x + b, per axis */
 static void map(float ax, float bx, float ay, float by)
@@ -131,6 +139,141 @@ static void how_confident_does_not_matter(void)
     for (int j = 0; j < EDML_JOINTS; j++) in[j].c = j % 2 ? 1e-40F : 3e38F;
     TEST_ASSERT_EQUAL_INT(EDML_OK, run(again));
     TEST_ASSERT_SAME_BYTES(edm, again);
+}
+
+/* ---- Joints that are guessed ------------------------------------------------------------------ */
+
+static void hide(int count, rng *r)
+{
+    while (count > 0) {
+        const int j = (int)(rng_bits(r) % EDML_JOINTS);
+        count -= in[j].c > 0;
+        in[j].c = 0;
+    }
+}
+
+static void seen_joints_need_no_guess(void)
+{
+    rng r = rng_seed(5);
+    for (int n = 0; n < 50; n++) {
+        whole_pixels(&r);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run(edm));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(again));
+        TEST_ASSERT_SAME_BYTES(edm, again);
+        hide(1 + n % 4, &r);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run(edm));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(again));
+        for (int i = 0; i < EDML_JOINTS; i++)
+            for (int j = i + 1; j < EDML_JOINTS; j++) {
+                const float was = edm[EDML_PAIR(i, j)], is = again[EDML_PAIR(i, j)];
+                TEST_ASSERT_TRUE(in[i].c > 0 && in[j].c > 0 ? is == was : was == 0.0F && is > 0.0F);
+            }
+    }
+}
+
+/* Where all guessed joints are at the weighted means of all others, it matters not that they were
+ * guessed.  They are brought there one after the other, again and again. */
+static void a_guess_is_at_the_weighted_mean_of_the_others(void)
+{
+    rng r = rng_seed(6);
+    for (int n = 0; n < 40; n++) {
+        whole_pixels(&r);
+        edml_keypoint all[EDML_JOINTS];
+        hide(1 + n % 4, &r);
+        memcpy(all, in, sizeof all);
+        for (int round = 0; round < 200; round++) {
+            for (int j = 0; j < EDML_JOINTS; j++) {
+                if (in[j].c > 0) continue;
+                double x = 0, y = 0;
+                for (int i = 0; i < EDML_JOINTS; i++) {
+                    x += (double)all[i].x * edml_usual_completion.weight[j][i] / EDML_COMPLETION_ONE;
+                    y += (double)all[i].y * edml_usual_completion.weight[j][i] / EDML_COMPLETION_ONE;
+                }
+                all[j].x = (float)x;
+                all[j].y = (float)y;
+            }
+        }
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(edm));
+        double top = 1e9, bottom = -1e9; /* of the seen ones */
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            if (in[j].c > 0) top = fmin(top, (double)in[j].y);
+            if (in[j].c > 0) bottom = fmax(bottom, (double)in[j].y);
+        }
+        for (int i = 0; i < EDML_JOINTS; i++)
+            for (int j = i + 1; j < EDML_JOINTS; j++)
+                again[EDML_PAIR(i, j)] =
+                    (float)(hypot((double)(all[i].x - all[j].x), (double)(all[i].y - all[j].y)) /
+                            ((bottom - top) / 2));
+        TEST_ASSERT_ERROR_UP_TO(EDM_GUESSED_TOLERANCE, worst_difference());
+    }
+}
+
+static void weights_of_a_guess_add_up_to_one_and_are_the_same_for_left_and_right(void)
+{
+    for (int i = 0; i < EDML_JOINTS; i++) {
+        int sum = 0;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            sum += edml_usual_completion.weight[i][j];
+            TEST_ASSERT_EQUAL_INT(
+                edml_usual_completion.weight[i][j],
+                edml_usual_completion.weight[edml_mirror_joint[i]][edml_mirror_joint[j]]);
+        }
+        TEST_ASSERT_EQUAL_INT(EDML_COMPLETION_ONE, sum);
+        TEST_ASSERT_EQUAL_INT(0, edml_usual_completion.weight[i][i]);
+    }
+}
+
+static void guesses_turn_with_the_image(void)
+{
+    rng r = rng_seed(7);
+    for (int n = 0; n < 20; n++) {
+        whole_pixels(&r);
+        hide(4, &r);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(edm));
+        map(-1, 0, 1, 0);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(again));
+        TEST_ASSERT_SAME_BYTES(edm, again);
+        float width[2] = {1e9F, -1e9F}, height[2] = {1e9F, -1e9F};
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            const edml_keypoint k = in[j];
+            in[j].x = k.y;
+            in[j].y = -k.x;
+            if (!(k.c > 0)) continue;
+            width[0] = fminf(width[0], k.x);
+            width[1] = fmaxf(width[1], k.x);
+            height[0] = fminf(height[0], k.y);
+            height[1] = fmaxf(height[1], k.y);
+        }
+        const float ratio = (height[1] - height[0]) / (width[1] - width[0]);
+        if (ratio > WIDEST || run_completed(again) != EDML_OK) continue;
+        for (int k = 0; k < EDML_PAIRS; k++) again[k] /= ratio;
+        TEST_ASSERT_ERROR_UP_TO(EDM_GUESSED_TOLERANCE, worst_difference());
+    }
+}
+
+static void what_is_not_seen_does_not_matter_to_a_guess(void)
+{
+    static const float garbage[] = {NAN, INFINITY, 3e38F, -1e30F};
+    someone();
+    in[EDML_L_KNEE].c = in[EDML_L_ANKLE].c = 0;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(edm));
+    for (unsigned n = 0; n < sizeof garbage / sizeof *garbage; n++) {
+        in[EDML_L_KNEE].x = in[EDML_L_ANKLE].y = garbage[n];
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(again));
+        TEST_ASSERT_SAME_BYTES(edm, again);
+    }
+}
+
+static void up_to_nine_joints_are_guessed(void)
+{
+    someone();
+    for (int j = 5; j < EDML_JOINTS; j++) in[j].c = 0;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(edm));
+    TEST_ASSERT_TRUE(all_finite(edm, EDML_PAIRS));
+    in[EDML_R_WRIST].c = 0;
+    memcpy(again, edm, sizeof again);
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_TOO_FEW_JOINTS, run_completed(edm));
+    TEST_ASSERT_SAME_BYTES(again, edm);
 }
 
 /* ---- Invariance ------------------------------------------------------------------------------ */
@@ -332,6 +475,12 @@ int main(void)
     RUN_TEST(pairs_with_a_missing_joint_are_zero_and_others_stay);
     RUN_TEST(a_missing_joints_coordinates_do_not_matter);
     RUN_TEST(how_confident_does_not_matter);
+    RUN_TEST(seen_joints_need_no_guess);
+    RUN_TEST(a_guess_is_at_the_weighted_mean_of_the_others);
+    RUN_TEST(weights_of_a_guess_add_up_to_one_and_are_the_same_for_left_and_right);
+    RUN_TEST(guesses_turn_with_the_image);
+    RUN_TEST(what_is_not_seen_does_not_matter_to_a_guess);
+    RUN_TEST(up_to_nine_joints_are_guessed);
     RUN_TEST(moving_the_image_changes_no_bit);
     RUN_TEST(scaling_the_image_by_a_power_of_two_changes_no_bit);
     RUN_TEST(turning_the_image_upside_down_changes_no_bit);

@@ -143,7 +143,7 @@ static void a_lift_is_its_stages(void)
     for (uint32_t n = 0; n < 10; n++) {
         someone(n);
         TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_fconv(&pose, in, &f32, &work));
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_f32(edm, in, 10, 3));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_f32(edm, in, 10, 3, f32.completion));
         edml_net_fconv_f32(distance, edm, &f32, &work);
         edml_mds_f32(x, distance, &work.lift);
         TEST_ASSERT_TRUE(edml_mirror_f32(x, &f32) == pose.mirror_margin);

@@ -167,7 +167,7 @@ static void a_lift_is_its_stages(void)
     someone(3);
     in[EDML_R_KNEE].c = 0;
     TEST_ASSERT_EQUAL_INT(EDML_OK, run(&pose));
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_f32(edm, in, 4, 100));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_f32(edm, in, 4, 100, edml_fconn_f32.completion));
     edml_net_f32(distance, edm, &edml_fconn_f32, &work);
     edml_mds_f32(x, distance, &work);
     edml_refine_f32(x, distance, (edml_objective)edml_fconn_f32.objective,

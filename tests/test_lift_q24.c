@@ -80,7 +80,7 @@ static void a_lift_is_its_stages(void)
     for (uint32_t n = 1; n <= 50; n++) {
         someone(n);
         if (run(&pose) != EDML_OK) continue;
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_q24(edm, in, 10, 3 << 24));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_q24(edm, in, 10, 3 << 24, &edml_usual_completion));
         edml_net_q24(distance, edm, &edml_fconn_q15, &other_work);
         edml_mds_q24(x, distance, &other_work);
         const int32_t margin = edml_mirror_q24(x, &edml_fconn_q15);

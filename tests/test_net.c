@@ -1,4 +1,4 @@
-/* fconn.inc and model.c: the network in float and in whole numbers.  The float one's values are
+/* fconn.inc, twin.inc and model.c: the network in float and in whole numbers.  The float one's values are
  * compared with NumPy's in test_vectors.c.
  *
  * SPDX-License-Identifier: MIT
@@ -67,6 +67,8 @@ static edml_model diagonal_model(float scale, float bias0, int count)
         layers[n].bias = bias;
     }
     edml_model model = edml_fconn_f32;
+    model.predict_f32 = edml__fconn_f32;
+    model.hash = edml__fconn_hash_f32;
     model.layers = layers;
     model.layer_count = (uint8_t)count;
     model.checksum = model.hash(&model);
@@ -120,7 +122,15 @@ enum { WIDE = EDML_LAYER_WIDEST, HIGHEST = 127 << 24 };
 static edml_work_q24 work_q24;
 static int32_t edm_q24[EDML_PAIRS], distance_q24[EDML_PAIRS], wanted_q24[EDML_PAIRS];
 
-static int is_q15(const edml_model *model) { return model->predict_q24 == edml__fconn_q15; }
+static int is_twin(const edml_model *model)
+{
+    return model->predict_q24 == edml__twin_q15 || model->predict_q24 == edml__twin_q7;
+}
+
+static int is_q15(const edml_model *model)
+{
+    return model->predict_q24 == edml__fconn_q15 || model->predict_q24 == edml__twin_q15;
+}
 
 /* Layer n of a quantised model; one of 8 bits gets weights of 16 from the caller. */
 static edml_dense_q15 wide_layer(const edml_model *model, int n, int16_t wide[WIDE * WIDE])
@@ -141,26 +151,105 @@ static int64_t scaled_down(int64_t value, int shift, int64_t most)
     return value >> shift < most ? value >> shift : most;
 }
 
-static void expect_distances(const int32_t edm_in[EDML_PAIRS], const edml_model *model)
+static int64_t weight_of(const edml_dense_q15 *layer, int row, int input)
 {
-    static int16_t wide[WIDE * WIDE];
+    return layer->weight[(row / 8 * layer->inputs + input) * 8 + row % 8];
+}
+
+static int64_t activated(int64_t sum, const edml_dense_q15 *layer, int row)
+{
+    const int64_t half = (int64_t)1 << (layer->shift - 1);
+    TEST_ASSERT_TRUE(INT32_MIN <= sum && sum <= INT32_MAX);
+    return scaled_down(sum * layer->factor[row] + half, layer->shift, layer->most);
+}
+
+static int16_t wide_weights[WIDE * WIDE];
+
+static void expect_fconn(const int32_t edm_in[EDML_PAIRS], const edml_model *model)
+{
     int64_t x[WIDE], y[WIDE];
     for (int k = 0; k < EDML_PAIRS; k++) x[k] = scaled_down((int64_t)edm_in[k] + 2048, 12, 32767);
     for (int n = 0; n < model->layer_count; n++) {
-        const edml_dense_q15 layer = wide_layer(model, n, wide);
+        const edml_dense_q15 layer = wide_layer(model, n, wide_weights);
         for (int row = 0; row < layer.outputs; row++) {
-            const int16_t *w = &layer.weight[row / 8 * 8 * layer.inputs + row % 8];
             int64_t sum = layer.bias[row];
             for (int i = 0; i < layer.inputs; i++) {
-                sum += w[8 * i] * x[i];
+                sum += weight_of(&layer, row, i) * x[i];
                 TEST_ASSERT_TRUE(INT32_MIN <= sum && sum <= INT32_MAX);
             }
-            const int64_t half = (int64_t)1 << (layer.shift - 1);
-            y[row] = scaled_down(sum * layer.factor[row] + half, layer.shift, layer.most);
+            y[row] = activated(sum, &layer, row);
         }
         memcpy(x, y, sizeof x);
     }
     for (int k = 0; k < EDML_PAIRS; k++) wanted_q24[k] = (int32_t)x[k];
+}
+
+/* The pair with left for right. */
+static int twin_of(int i, int j)
+{
+    const int a = edml_mirror_joint[i], b = edml_mirror_joint[j];
+    return a < b ? EDML_PAIR(a, b) : EDML_PAIR(b, a);
+}
+
+/* Pairs in their order, of twins the first alone; and the others, their own twins, behind. */
+static int first_twins(int pair[49])
+{
+    int count = 0;
+    for (int own = 0; own < 2; own++)
+        for (int i = 0; i < EDML_JOINTS; i++)
+            for (int j = i + 1; j < EDML_JOINTS; j++)
+                if (own ? EDML_PAIR(i, j) == twin_of(i, j) : EDML_PAIR(i, j) < twin_of(i, j))
+                    pair[count++] = EDML_PAIR(i, j);
+    return count;
+}
+
+static int twin_pair[EDML_PAIRS]; /* of each pair */
+
+static void fill_twin_pairs(void)
+{
+    for (int i = 0; i < EDML_JOINTS; i++)
+        for (int j = i + 1; j < EDML_JOINTS; j++) twin_pair[EDML_PAIR(i, j)] = twin_of(i, j);
+}
+
+static void expect_twin(const int32_t edm_in[EDML_PAIRS], const edml_model *model)
+{
+    int64_t x[2][WIDE], y[2][WIDE]; /* first twins and second ones */
+    int pair[49], count = first_twins(pair);
+    TEST_ASSERT_EQUAL_INT(49, count);
+    fill_twin_pairs();
+    for (int k = 0; k < count; k++) {
+        x[0][k] = scaled_down((int64_t)edm_in[pair[k]] + 4096, 13, 16383);
+        x[1][k] = scaled_down((int64_t)edm_in[twin_pair[pair[k]]] + 4096, 13, 16383);
+    }
+    for (int n = 0; n < model->layer_count; n++) {
+        const edml_dense_q15 layer = wide_layer(model, n, wide_weights);
+        for (int row = 0; row < layer.outputs; row++) {
+            int64_t even = layer.bias[row], odd = 0;
+            for (int i = 0; i < count; i++) {
+                even += weight_of(&layer, row, i) * (x[0][i] + x[1][i]);
+                if (count + i < layer.inputs)
+                    odd += weight_of(&layer, row, count + i) * (x[0][i] - x[1][i]);
+                TEST_ASSERT_TRUE(INT32_MIN <= even && even <= INT32_MAX);
+                TEST_ASSERT_TRUE(INT32_MIN <= odd && odd <= INT32_MAX);
+            }
+            y[0][row] = activated(even + odd, &layer, row);
+            y[1][row] = activated(even - odd, &layer, row);
+        }
+        memcpy(x, y, sizeof x);
+        count = layer.outputs;
+    }
+    for (int k = 0; k < count; k++) {
+        wanted_q24[pair[k]] = (int32_t)x[0][k];
+        wanted_q24[twin_pair[pair[k]]] = (int32_t)x[1][k];
+    }
+}
+
+static void expect_distances(const int32_t edm_in[EDML_PAIRS], const edml_model *model)
+{
+    if (is_twin(model))
+        expect_twin(edm_in, model);
+    else
+        expect_fconn(edm_in, model);
 }
 
 /* EDMs of all sizes: first what is likely, then anything, then the extremes. */
@@ -207,13 +296,30 @@ static int32_t bias_q24[2][WIDE], factor_q24[2][WIDE];
 static edml_dense_q15 layers_q15[2];
 static edml_dense_q7 layers_q7[2];
 
-static edml_model random_model(uint32_t seed, const edml_model *like)
+/* Of one kind and one format, each by an example. */
+typedef struct {
+    void (*predict)(int32_t *distance, const int32_t *edm, const edml_model *model,
+                    int32_t layer[2][EDML_LAYER_WIDEST]);
+    uint32_t (*hash)(const edml_model *model);
+    int q15;
+    uint16_t units, inputs, outputs; /* of the first layer; of the second */
+    int32_t most;
+} kind;
+
+static const kind fconn_q15 = {edml__fconn_q15, edml__fconn_hash_q15, 1, 100, 100, EDML_PAIRS, 32767};
+static const kind fconn_q7 = {edml__fconn_q7, edml__fconn_hash_q7, 0, 100, 100, EDML_PAIRS, 32767};
+static const kind twin_q15 = {edml__twin_q15, edml__twin_hash_q15, 1, 48, 96, 49, 16383};
+static const kind twin_q7 = {edml__twin_q7, edml__twin_hash_q7, 0, 48, 96, 49, 16383};
+static const kind *const kinds[] = {&fconn_q15, &fconn_q7, &twin_q15, &twin_q7};
+
+static edml_model random_model(uint32_t seed, const kind *of)
 {
     rng r = rng_seed(seed);
     for (int n = 0; n < 2; n++) {
-        const uint16_t inputs = n == 0 ? EDML_PAIRS : 100, outputs = n == 0 ? 100 : EDML_PAIRS;
+        const uint16_t inputs = n == 0 ? EDML_PAIRS : of->inputs;
+        const uint16_t outputs = n == 0 ? of->units : of->outputs;
         const uint8_t shift = n == 0 ? 44 : 35;
-        const int32_t most = n == 0 ? EDML_ACTIVATION : 3 << 24;
+        const int32_t most = n == 0 ? of->most : 3 << 24;
         for (int k = 0; k < WIDE * WIDE; k++) {
             weight_q15[n][k] = (int16_t)((int)(rng_bits(&r) % 511) - 255);
             weight_q7[n][k] = (int8_t)((int)(rng_bits(&r) % 255) - 127);
@@ -229,8 +335,17 @@ static edml_model random_model(uint32_t seed, const edml_model *like)
         layers_q15[n] = q15;
         layers_q7[n] = q7;
     }
-    edml_model model = *like;
-    model.layers = is_q15(like) ? (const void *)layers_q15 : (const void *)layers_q7;
+    /* Nothing is odd about pairs that are their own twins. */
+    for (int row = 42; of->outputs == 49 && row < 56; row++)
+        for (int k = of->inputs / 2; k < of->inputs; k++) {
+            const int at = (row / 8 * of->inputs + k) * 8 + row % 8;
+            weight_q15[1][at] = 0;
+            weight_q7[1][at] = 0;
+        }
+    edml_model model = edml_fconn_q15;
+    model.predict_q24 = of->predict;
+    model.hash = of->hash;
+    model.layers = of->q15 ? (const void *)layers_q15 : (const void *)layers_q7;
     model.layer_count = 2;
     model.checksum = model.hash(&model);
     return model;
@@ -239,10 +354,32 @@ static edml_model random_model(uint32_t seed, const edml_model *like)
 static void random_layers_are_as_defined(void)
 {
     for (uint32_t seed = 0; seed < 5; seed++) {
-        const edml_model q15 = random_model(seed, &edml_fconn_q15);
-        check_against_definition(&q15);
-        const edml_model q7 = random_model(seed, &edml_fconn_q7);
-        check_against_definition(&q7);
+        for (unsigned n = 0; n < sizeof kinds / sizeof *kinds; n++) {
+            const edml_model model = random_model(seed, kinds[n]);
+            check_against_definition(&model);
+        }
+    }
+}
+
+/* Left and right exchanged in what goes in are exchanged in what comes out, to the last bit. */
+static void left_and_right_are_alike(void)
+{
+    float turned[EDML_PAIRS];
+    fill_twin_pairs();
+    for (uint32_t seed = 0; seed < 20; seed++) {
+        const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_q15, &edml_fconn_q7};
+        fill_edm(seed);
+        for (int k = 0; k < EDML_PAIRS; k++) turned[k] = edm[twin_pair[k]];
+        for (unsigned n = 0; n < sizeof models / sizeof *models; n++) {
+            edml_net_f32(distance, edm, models[n], &work);
+            edml_net_f32(again, turned, models[n], &work);
+            int differ = 0;
+            for (int k = 0; k < EDML_PAIRS; k++) {
+                TEST_ASSERT_TRUE(again[k] == distance[twin_pair[k]]);
+                differ += again[k] != distance[k];
+            }
+            TEST_ASSERT_TRUE(differ > EDML_PAIRS / 2);
+        }
     }
 }
 
@@ -259,6 +396,7 @@ static edml_model identity_q15(int32_t offset, int32_t factor, uint8_t shift, in
                                   factor_q24[0], shift,      most};
     layers_q15[0] = layer;
     edml_model model = edml_fconn_q15;
+    model.predict_q24 = edml__fconn_q15;
     model.layers = layers_q15;
     model.layer_count = 1;
     return model;
@@ -307,7 +445,7 @@ static float rms_from_float(const edml_model *model)
         edml_keypoint in[EDML_JOINTS];
         random_human(&r, x);
         photograph(in, x);
-        if (edml_edm_f32(edm, in, EDML_JOINTS, 3) != EDML_OK) continue;
+        if (edml_edm_f32(edm, in, EDML_JOINTS, 3, NULL) != EDML_OK) continue;
         edml_net_f32(distance, edm, &edml_fconn_f32, &work);
         memcpy(work.use.layer[0], edm, sizeof edm);
         edml_net_f32(again, work.use.layer[0], model, &work); /* as edml_lift() calls it */
@@ -382,12 +520,12 @@ static void check_flipped_byte(const edml_model *model, void *byte)
 static void one_flipped_bit_in_whole_numbers_is_noticed(void)
 {
     enum { LAST = (EDML_PAIRS + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS - 1, INPUTS = 100 };
-    const edml_model q15 = random_model(7, &edml_fconn_q15);
+    const edml_model q15 = random_model(7, &fconn_q15);
     check_flipped_byte(&q15, &weight_q15[0][0]);
     check_flipped_byte(&q15, (uint8_t *)&weight_q15[1][(LAST + 1) * INPUTS] - 1);
     check_flipped_byte(&q15, &bias_q24[0][5]);
     check_flipped_byte(&q15, (uint8_t *)&factor_q24[1][LAST + 1] - 1);
-    const edml_model q7 = random_model(7, &edml_fconn_q7);
+    const edml_model q7 = random_model(7, &fconn_q7);
     check_flipped_byte(&q7, &weight_q7[0][0]);
     check_flipped_byte(&q7, &weight_q7[1][(LAST + 1) * INPUTS - 1]);
     check_flipped_byte(&q7, &bias_q24[1][LAST]);
@@ -406,6 +544,7 @@ int main(void)
     RUN_TEST(layers_follow_one_another);
     RUN_TEST(quantised_models_are_as_defined);
     RUN_TEST(random_layers_are_as_defined);
+    RUN_TEST(left_and_right_are_alike);
     RUN_TEST(whole_numbers_are_rounded_to_nearest);
     RUN_TEST(whole_numbers_are_limited);
     RUN_TEST(quantised_models_are_near_the_float_one);

@@ -45,7 +45,7 @@ static void edm(void)
     float worst = 0;
     for (int n = 0; n < LIFTS; n++) {
         load_keypoints(&lift_vectors[n]);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_f32(values, in, 4, 100));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_f32(values, in, 4, 100, &edml_usual_completion));
         worst = worse(worst, worst_difference(values, lift_vectors[n].edm, EDML_PAIRS));
     }
     report("edm", worst);

@@ -360,12 +360,19 @@ class Library:
 
     # The stages, one pose at a time.
 
-    def edm(self, keypoints: np.ndarray, fewest: int, widest: float) -> tuple[str, np.ndarray]:
-        """Status name and normalised 2D distances [91] of keypoints [14,3]."""
+    def edm(
+        self, keypoints: np.ndarray, fewest: int, widest: float, complete: bool
+    ) -> tuple[str, np.ndarray]:
+        """Status name and normalised 2D distances [91] of keypoints [14,3].
+
+        Joints that are not seen are guessed if `complete`, otherwise their distances are zero.
+        """
         out = np.zeros(91, np.float32)
+        usual = ctypes.addressof(ctypes.c_int16.in_dll(self._c, "edml_usual_completion"))
         status = self._c.edml_edm_f32(
-            _pointer(out), _pointer(_f32(keypoints)), fewest, ctypes.c_float(widest)
-        )
+            _pointer(out), _pointer(_f32(keypoints)), fewest, ctypes.c_float(widest),
+            ctypes.c_void_p(usual if complete else None),
+        )  # fmt: skip
         return self.status_name(status), out
 
     def net(self, edm: np.ndarray) -> np.ndarray:

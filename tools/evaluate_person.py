@@ -51,7 +51,7 @@ def matrix_way(library: Library, column: Column, bone: np.ndarray) -> np.ndarray
     pairs = [np.flatnonzero((PAIRS[0] == min(b)) & (PAIRS[1] == max(b)))[0] for b in BONES]
     joints = np.zeros_like(column.truth)
     for pose, keypoints, known in zip(joints, column.keypoints, bone, strict=True):
-        distance = library.net(library.edm(keypoints, FEWEST, WIDEST)[1])
+        distance = library.net(library.edm(keypoints, FEWEST, WIDEST, complete=True)[1])
         distance *= known.sum() / distance[pairs].sum()
         distance[pairs] = known
         pose[:] = library.mirror(library.mds(distance))[0]

@@ -69,7 +69,9 @@ def solvers(library: Library) -> dict[str, Solver]:
 
 def predictions(library: Library, column: Column, settings: dict) -> np.ndarray:
     """Distances [F,91] in metres that the network predicts."""
-    edm = (library.edm(k, settings["fewest_joints"], settings["widest"]) for k in column.keypoints)
+    complete = settings["missing"] == "completed"
+    limits = (settings["fewest_joints"], settings["widest"], complete)
+    edm = (library.edm(k, *limits) for k in column.keypoints)
     return np.array([library.net(distance) for _, distance in edm])
 
 

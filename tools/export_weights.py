@@ -30,6 +30,7 @@ import numpy as np
 
 import fconv_weights
 import quantise
+import twin_weights
 from weights import (
     NO_BLEND,
     PAIRS,
@@ -43,12 +44,14 @@ from weights import (
     one_line,
     read_file,
     read_layers,
+    read_npz,
 )
 
 # What lib/model.h fixes; the header refuses to compile with another format.
-FORMAT = 3
+FORMAT = 4
 ROWS = 8  # EDML_ROWS
 
+NAMES = {"twin": "fconn"}  # of models, where they are not their kind's
 GEN = Path(__file__).resolve().parent.parent / "gen"
 OBJECTIVES = ("none", "square", "raw", "eq2")  # edml_objective: EDML_STRESS_NONE ...
 
@@ -74,6 +77,8 @@ class Kind:
     shape: Callable[[Sequence[Layer]], str]  # as a text
     multiply_adds: Callable[[Sequence[Layer]], int]
     plan: quantise.Plan
+    # Its layers in float32, if the kernel can run them; else ExportError.
+    checked: Callable[[Iterable[tuple[Any, Any]]], list[Layer]]
     # Weights [in, out] of layer k, their inputs as the kernel has them.
     order: Callable[[int, np.ndarray], np.ndarray] = lambda k, weight: weight
     # The exponent of a unit in which weights are short texts, or None.
@@ -82,10 +87,14 @@ class Kind:
 
 FCONN = Kind(
     "fconn", ("f32", "q15", "q7"), dense_text, lambda layers: sum(x.weight.size for x in layers),
-    quantise.DENSE,
+    quantise.DENSE, check_layers,
+)  # fmt: skip
+TWIN = Kind(
+    "twin", FCONN.forms, twin_weights.shape, twin_weights.multiply_adds,
+    twin_weights.PLAN, twin_weights.checked,
 )  # fmt: skip
 FCONV = Kind(
-    "fconv", ("f32", "q7"), fconv_text, fconv_weights.multiply_adds, fconv_weights.PLAN,
+    "fconv", ("f32", "q7"), fconv_text, fconv_weights.multiply_adds, fconv_weights.PLAN, list,
     fconv_weights.as_c_has_it, fconv_weights.unit_of,
 )  # fmt: skip
 
@@ -96,10 +105,17 @@ def read_network(path: Path) -> tuple[Kind, list[Layer]]:
         arrays = read_file(path, {".npz": load_npz})
         if fconv_weights.is_fconv(arrays):
             return FCONV, fconv_weights.layers_of(arrays)
+        if twin_weights.is_twin(arrays):
+            return TWIN, twin_weights.checked(read_npz(path))
     return FCONN, read_layers(path)
 
 
 # ---- Settings ----------------------------------------------------------------------------------
+
+
+# What a model holds of joints that are not seen: how to guess them, or nothing: their pairs are 0.
+MISSING = {"zero": "NULL", "completed": "&edml_usual_completion"}
+MOST_GUESSED = 9  # of lib/complete.inc
 
 
 BLEND_RANGES = "share 0 to 1, misfit 0.01 to 1 and distance 3 to 1000"
@@ -124,6 +140,7 @@ class Settings:
     objective: str  # of the refinement, one of OBJECTIVES
     refine_steps: int
     mirror: Sequence[float]  # weights of arms, forearms, head, thighs, shins
+    missing: str = "zero"  # what joints that are not seen are, one of MISSING
     blend: Mapping[str, float] = dataclasses.field(default_factory=lambda: dict(NO_BLEND))
     recipe: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # at least name and seed
     data: Mapping[str, Any] = dataclasses.field(default_factory=dict)
@@ -142,6 +159,9 @@ class Settings:
         mirror = isinstance(self.mirror, list | tuple) and len(self.mirror) == 5
         mirror = mirror and all(map(is_number, self.mirror))
         check_setting("mirror", mirror, "five numbers between -128 and 128")
+        check_setting("missing", self.missing in MISSING, f"one of {', '.join(MISSING)}")
+        fewest = 4 if self.missing == "zero" else 14 - MOST_GUESSED
+        check_setting("fewest_joints", self.fewest_joints >= fewest, f"{fewest} or more")
         check_setting("blend", is_blend(self.blend), BLEND_RANGES)
         for name in ("recipe", "data", "calibration", *METRICS.values()):
             check_setting(name, isinstance(getattr(self, name), Mapping), "an object")
@@ -161,7 +181,7 @@ METRICS = {"f32": "metrics", "q15": "metrics_q15", "q7": "metrics_q7"}
 REQUIRED = tuple(
     field.name
     for field in dataclasses.fields(Settings)
-    if field.default_factory is dataclasses.MISSING
+    if field.default is field.default_factory is dataclasses.MISSING
 )
 
 
@@ -261,20 +281,23 @@ def quantised(
         raise ExportError(f"manifest: widest must be up to {quantise.WIDEST} to quantise")
     try:
         network = quantise.quantise(layers, calibration, form, kind.plan)
-        return network, quantised_lines(network, calibration, form)
+        return network, quantised_lines(network, calibration, form, kind.plan)
     except (ArithmeticError, LookupError, TypeError, ValueError) as error:
         raise ExportError(f"manifest: damaged calibration: {one_line(error)}") from error
 
 
 def quantised_lines(
-    network: Sequence[quantise.Dense], calibration: Mapping[str, Any], form: str
+    network: Sequence[quantise.Dense],
+    calibration: Mapping[str, Any],
+    form: str,
+    plan: quantise.Plan,
 ) -> dict[str, str]:
     rms = calibration["rms"][form]
     bits = ", ".join("{} to {}".format(*quantise.weight_bits(dense)) for dense in network)
     return {
         "quantiser": f"{form}: whole numbers, a scale a row",
         "bits": f"of the rows' weights, layer by layer: {bits}",
-        "accumulator": f"proven within 32 bits, {quantise.spare_bits(network):.1f} to spare",
+        "accumulator": f"proven within 32 bits, {quantise.spare_bits(network, plan):.1f} to spare",
         "RMS error": f"{rms['mm']:g} mm, {rms['percent']:g} %: its distances against float's, "
         f"{calibration['views']} training views",
     }
@@ -306,7 +329,7 @@ def write_header(
     form         "f32", "q15" or "q7"
     Raises ExportError, and then leaves what was at `path` as it was.
     """
-    layers = check_layers(layers) if kind is FCONN else list(layers)
+    layers = kind.checked(layers)
     if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name):
         raise ExportError(f"name '{name}' must be lower-case letters, digits, single underscores")
     model = f"{name}_{form}"
@@ -430,7 +453,7 @@ def network_text(kind: Kind, model: str, form: str, count: int) -> tuple[str, li
     """What stands before the model, and its members predict_f32 to layer_count."""
     kernel, hash_name = f"edml__{kind.name}_{form}", f"edml__{kind.name}_hash_{form}"
     kernels = [kernel, "NULL"] if form == "f32" else ["NULL", kernel]
-    if kind is FCONN:
+    if kind is not FCONV:
         return "", [*kernels, hash_name, f"{model}_layers", f"{count}, /* layers */"]
     net = f"static const edml_fconv {model}_net = {{{', '.join(kernels)}, {model}_layers}};\n"
     refused = ["edml__fconv_refuse", "NULL"]
@@ -455,6 +478,7 @@ const edml_model edml_{model} = {{
     {network}
     {settings.fewest_joints}, /* fewest joints */
     {number_text(settings.widest)}, /* widest: {settings.widest:g} */
+    {MISSING[settings.missing]}, /* joints that are not seen */
     EDML_STRESS_{settings.objective.upper()},
     {settings.refine_steps}, /* refinement steps */
     {{{mirror}}}, /* mirror */
@@ -516,7 +540,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     manifest = options.manifest or weights.with_suffix(".json")
     try:
         kind, layers = read_network(weights)
-        name = options.name or kind.name
+        name = options.name or NAMES.get(kind.name, kind.name)
         if options.calibrate:
             print(calibrate(kind, layers, manifest, options.calibrate))
         settings = read_settings(manifest)

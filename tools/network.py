@@ -22,17 +22,31 @@ def box(keypoints: jax.Array) -> tuple[jax.Array, jax.Array]:
     return low, jnp.max(jnp.where(seen, points, -jnp.inf), 1)
 
 
-def edm_2d(keypoints: jax.Array) -> jax.Array:
+def edm_2d(keypoints: jax.Array, completion: jax.Array | None = None) -> jax.Array:
     """Normalised 2D distances of a batch (section 3.1 of the paper).
 
     keypoints [B,14,3], pixels and confidence (0: not seen) -> [B,91].  One factor for x and y:
-    half the vertical extent of the seen joints.  Pairs with a joint that is not seen are zero.
+    half the vertical extent of the seen joints.  Joints that are not seen are where `completion`
+    [14,14] expects them (fit_completion.py); without one, pairs with such a joint are zero.
     """
     seen = keypoints[..., 2] > 0
     low, high = box(keypoints)
-    delta = keypoints[:, PAIRS[0], :2] - keypoints[:, PAIRS[1], :2]
+    points = keypoints[..., :2]
+    if completion is not None:
+        points = complete(points, seen, completion)
+    delta = points[:, PAIRS[0]] - points[:, PAIRS[1]]
     distance = jnp.sqrt(jnp.sum(delta**2, -1)) / ((high - low)[:, 1:] / 2)
+    if completion is not None:
+        return distance
     return jnp.where(seen[:, PAIRS[0]] & seen[:, PAIRS[1]], distance, 0.0)
+
+
+def complete(points: jax.Array, seen: jax.Array, completion: jax.Array) -> jax.Array:
+    """lib/complete.inc: points [B,14,2] of which `seen` [B,14] count -> all of them."""
+    known = jnp.where(seen[..., None], points, 0)
+    system = jnp.where(seen[..., None], 0, completion)
+    among = jnp.eye(COUNT) - system * ~seen[:, None, :]
+    return jnp.linalg.solve(among, known + system @ known)
 
 
 def edm_3d(points: jax.Array) -> jax.Array:
@@ -154,6 +168,12 @@ def poses(distances: jax.Array, keypoints: jax.Array, truth: jax.Array, trained:
     behind = jnp.sum(points[..., 2] * depth, 1) < 0
     points = points.at[..., 2].multiply(jnp.where(behind, -1.0, 1.0)[:, None])
     return blend(points, keypoints, trained)
+
+
+def camera_errors(points: jax.Array, truth: jax.Array) -> jax.Array:
+    """Distance of each joint as poses() has it, only moved onto the mean, [B,14], metres."""
+    apart = points - points.mean(1, keepdims=True) - truth + truth.mean(1, keepdims=True)
+    return jnp.sqrt(jnp.sum(apart**2, -1) + TINY)
 
 
 def joint_errors(points: jax.Array, truth: jax.Array, mirror: bool = True) -> jax.Array:

@@ -42,6 +42,11 @@ class Dense(NamedTuple):
 Activate = Callable[[int, np.ndarray], np.ndarray]
 
 
+def from_zero(k: int, layer: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Plan.ranges of inputs that are activations."""
+    return np.zeros(len(layer.weight), int), np.ones(len(layer.weight), int)
+
+
 class Plan(NamedTuple):
     """What quantising must know of a kind of network beyond its layers."""
 
@@ -50,8 +55,23 @@ class Plan(NamedTuple):
     forward: Callable[[Sequence[Any], np.ndarray, Activate], list[np.ndarray]]
     # Which share of the outputs of layer k each tap counts in, [taps].
     shares: Callable[[int], np.ndarray] = lambda k: np.ones(1)
+    # The largest activation among the inputs of a layer behind the first.
+    largest: Callable[[np.ndarray], float] = lambda inputs: float(inputs.max())
+    # Of layer k, least and largest value of each input [in], in largest activations.
+    ranges: Callable[[int, Any], tuple[np.ndarray, np.ndarray]] = from_zero
+    spare: int = 0  # bits of an activation, and of the EDM, that are left to sums of them
     sums: int = 1  # of the last layer, of whose mean a distance is made
     views: int | None = None  # to calibrate on; all
+
+    @property
+    def activation(self) -> int:
+        """The largest there is."""
+        return ACTIVATION >> self.spare
+
+    @property
+    def edm_shift(self) -> int:
+        """From Q24 to what the network reads, whose largest is an activation's."""
+        return EDM_SHIFT + self.spare
 
 
 def dense_forward(layers: Sequence[Any], edms: np.ndarray, activate: Activate) -> list[np.ndarray]:
@@ -75,17 +95,25 @@ def quantise(
         raise ExportError("calibration: a hidden layer is always zero, or not finite")
     if not all(np.isfinite(values).all() for values in mean):
         raise ExportError("calibration: a mean is not finite")
-    scales = [1 << EDM_SHIFT, *(ACTIVATION / (HEADROOM * x) for x in largest), METRE / plan.sums]
+    edm_scale = METRE >> plan.edm_shift
+    hidden = [plan.activation / (HEADROOM * x) for x in largest]
+    scales = [edm_scale, *hidden, METRE / plan.sums]
     dense = []
     for k, (weight, bias) in enumerate(equalised(layers)):
         inner = k < len(layers) - 1
         inputs = (plan.shares(k)[:, None] * mean[k]).reshape(-1)
         word = WORD if inner else WORD // plan.sums
-        rows = Rows(weight, bias, inputs, scales[k], word)
-        most = ACTIVATION if inner else FARTHEST
+        reach = input_ranges(plan, k, layers[k])
+        rows = Rows(weight, bias, inputs, scales[k], reach, word)
+        most = plan.activation if inner else FARTHEST
         dense.append(quantise_layer(rows, scales[k + 1], WEIGHT_TYPES[form], most))
-        prove(dense[k], k, word)
+        prove(dense[k], k, reach, word)
     return dense
+
+
+def input_ranges(plan: Plan, k: int, layer: Any) -> np.ndarray:
+    """Least and largest inputs of layer k in whole numbers, [2,in]."""
+    return plan.activation * np.array(plan.ranges(k, layer))
 
 
 def equalised(layers: Sequence[Layer]) -> list[Layer]:
@@ -113,6 +141,7 @@ class Rows(NamedTuple):
     bias: np.ndarray  # [out]
     mean: np.ndarray  # [in], of the input
     x_scale: float
+    reach: np.ndarray  # [2,in], least and largest of the input
     word: int = WORD  # the sums stay below
 
     def rounded(self, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -140,28 +169,29 @@ def largest_scales(rows: Rows, most: int) -> np.ndarray:
     low = np.zeros(len(rows.bias))
     high = scale = most / np.maximum(np.abs(rows.weight).max(0), VANISHING)
     for _ in range(BISECTIONS):
-        lowest, highest = sum_bounds(*rows.rounded(scale))
+        lowest, highest = sum_bounds(*rows.rounded(scale), rows.reach)
         fits = (lowest >= -rows.word) & (highest < rows.word)
         low, high = np.where(fits, scale, low), np.where(fits, high, scale)
         scale = (low + high) / 2
     return low
 
 
-def sum_bounds(weight: np.ndarray, bias: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def sum_bounds(
+    weight: np.ndarray, bias: np.ndarray, reach: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """What the sums of a layer, and all sums on the way, cannot leave: lowest and highest [out].
 
-    Inputs are 0 to ACTIVATION, so that in any order a sum is highest where only positive weights
-    have counted, and lowest where only negative ones have.
+    reach [2,in] is what the inputs cannot leave, 0 among it: in any order a sum is highest where
+    only what adds to it has counted, and lowest where only what takes from it.
     """
-    up = np.maximum(weight, 0).sum(0, dtype=weight.dtype)
-    down = np.minimum(weight, 0).sum(0, dtype=weight.dtype)
-    return bias + ACTIVATION * down, bias + ACTIVATION * up
+    ends = [weight * end[:, None] for end in reach]
+    return bias + np.minimum(*ends).sum(0), bias + np.maximum(*ends).sum(0)
 
 
-def prove(dense: Dense, number: int, word: int = WORD) -> None:
+def prove(dense: Dense, number: int, reach: np.ndarray, word: int = WORD) -> None:
     """Raises ExportError unless the C kernel computes the layer without overflow, whatever its
     input: in whole numbers, on what the header will hold."""
-    lowest, highest = sum_bounds(dense.weight.astype(np.int64), dense.bias.astype(np.int64))
+    lowest, highest = sum_bounds(dense.weight.astype(np.int64), dense.bias.astype(np.int64), reach)
     for row in np.flatnonzero((lowest < -word) | (highest >= word)):
         raise ExportError(
             f"layer {number}: sums of row {row} reach {lowest[row]} to {highest[row]}, "
@@ -173,8 +203,8 @@ def prove(dense: Dense, number: int, word: int = WORD) -> None:
 
 def run(network: Sequence[Dense], edm: np.ndarray, plan: Plan = DENSE) -> np.ndarray:
     """Distances [F,91] that the C library computes from EDMs [F,91]: both whole numbers, Q24."""
-    half = 1 << EDM_SHIFT >> 1
-    x = np.minimum((edm.astype(np.int64) + half) >> EDM_SHIFT, ACTIVATION)
+    half = 1 << plan.edm_shift >> 1
+    x = np.minimum((edm.astype(np.int64) + half) >> plan.edm_shift, plan.activation)
 
     def activate(k: int, sums: np.ndarray) -> np.ndarray:
         dense = network[k]  # sums are exact in double
@@ -195,11 +225,13 @@ def training_edms(motion: Path, recipe: Mapping[str, Any]) -> np.ndarray:
     import train
     from mocap import load_motion
 
-    known = train.Recipe.__dataclass_fields__.keys() & recipe.keys()
+    names = train.Recipe.__dataclass_fields__.keys() & recipe.keys()
+    known = train.Recipe(**{name: recipe[name] for name in names})
     rng = np.random.default_rng([recipe.get("seed", 0), 1 << 32])
     joints = load_motion(motion).joints
-    keypoints, _ = train.draw_2d(joints, train.Recipe(**{k: recipe[k] for k in known}), rng)
-    return np.asarray(network.edm_2d(jnp.asarray(keypoints)), float)
+    keypoints, _ = train.draw_2d(joints, known, rng)
+    completion = train.completion_of(known)
+    return np.asarray(network.edm_2d(jnp.asarray(keypoints), completion), float)
 
 
 def activations(layers: Sequence[Layer], edms: np.ndarray, plan: Plan = DENSE) -> list[np.ndarray]:
@@ -220,7 +252,7 @@ def calibrate(layers: Sequence[Layer], edms: np.ndarray, plan: Plan = DENSE) -> 
     calibration = {
         "weights": digest(layers),
         "views": len(edms),
-        "largest": [round(float(x.max()), 4) for x in inputs[1:]],
+        "largest": [round(plan.largest(x), 4) for x in inputs[1:]],
         "mean": [x.reshape(-1, x.shape[-1]).mean(0).round(4).tolist() for x in inputs],
     }
     errors = {}
@@ -242,8 +274,11 @@ def weight_bits(dense: Dense) -> tuple[int, int]:
     return min(peaks, default=0).bit_length() + 1, max(peaks, default=0).bit_length() + 1
 
 
-def spare_bits(network: Sequence[Dense]) -> float:
+def spare_bits(network: Sequence[Dense], plan: Plan = DENSE) -> float:
     """How far the largest sum that any input can cause is from 32 bits, in bits."""
-    bounds = [sum_bounds(d.weight.astype(np.int64), d.bias.astype(np.int64)) for d in network]
+    bounds = [
+        sum_bounds(d.weight.astype(np.int64), d.bias.astype(np.int64), input_ranges(plan, k, d))
+        for k, d in enumerate(network)
+    ]
     largest = max(int(np.abs(bound).max()) for pair in bounds for bound in pair)
     return float(np.log2(WORD / max(largest, 1)))

@@ -4,11 +4,14 @@ Written from the paper and the public header, not from the C: another normalisat
 matrix, LAPACK's eigenvectors, singular values where the C has closed forms.  One pose at a time.
 """
 
+import json
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from skeleton import INDEX, PAIRS, mid_hip
+from fit_completion import read_header
+from skeleton import INDEX, PAIR_TWINS, PAIRS, SELF_TWINS, mid_hip
 
 COUNT = 14
 
@@ -28,10 +31,29 @@ class Model:
     refine_steps: int
     mirror: np.ndarray
     blend: dict[str, float]  # the last three arguments of blend()
+    completion: np.ndarray | None = None  # of edm()
 
 
-def edm(keypoints: np.ndarray, fewest: int, widest: float) -> np.ndarray:
-    """Normalised 2D distances [91] of keypoints [14,3] (x, y, confidence); section 3.1."""
+def read_model(weights: Path) -> Model:
+    """The model of an .npz of FConn's and the manifest beside it."""
+    manifest = json.loads(weights.with_suffix(".json").read_text("utf-8"))
+    with np.load(weights) as arrays:
+        layers = [(arrays[f"weight{n}"], arrays[f"bias{n}"]) for n in range(len(arrays) // 2)]
+    names = ("fewest_joints", "widest", "objective", "refine_steps", "blend")
+    picked = {name: manifest[name] for name in names}
+    completion = read_header() if manifest["missing"] == "completed" else None
+    mirror = np.array(manifest["mirror"])
+    return Model(layers, mirror=mirror, completion=completion, **picked)
+
+
+def edm(
+    keypoints: np.ndarray, fewest: int, widest: float, completion: np.ndarray | None = None
+) -> np.ndarray:
+    """Normalised 2D distances [91] of keypoints [14,3] (x, y, confidence); section 3.1.
+
+    completion [14,14]: weights by which a joint follows the others; where it is None, distances
+    from joints that were not seen are zero.
+    """
     xy, confidence = keypoints[:, :2], keypoints[:, 2]
     seen = confidence > 0
     if not np.isfinite(confidence).all() or not np.isfinite(xy[seen]).all():
@@ -46,16 +68,52 @@ def edm(keypoints: np.ndarray, fewest: int, widest: float) -> np.ndarray:
     spread = np.linalg.svd(xy[seen] - xy[seen].mean(0), compute_uv=False)
     if spread[1] <= spread[0] / 128:
         raise Refused("degenerate")
+    if completion is not None:
+        xy, seen = complete(xy, seen, completion), np.ones(COUNT, bool)
     distance = np.linalg.norm(xy[:, None] / half - xy[None] / half, axis=-1)
     distance[~seen] = distance[:, ~seen] = 0
     return distance[PAIRS]
 
 
+def complete(xy: np.ndarray, seen: np.ndarray, completion: np.ndarray) -> np.ndarray:
+    """Points [14,2] of which those that were not seen [14] are where the others let expect them.
+
+    From the seen ones' mean, so that a weight that is a little off does not move what is far off.
+    """
+    middle = xy[seen].mean(0)
+    laplacian = np.eye(COUNT) - completion
+    right = -laplacian[np.ix_(~seen, seen)] @ (xy[seen] - middle)
+    out = xy.copy()
+    out[~seen] = np.linalg.solve(laplacian[np.ix_(~seen, ~seen)], right) + middle
+    return out
+
+
 def net(layers: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarray:
-    """FConn: [91] -> [91] metres; section 3.2."""
+    """FConn: [91] -> [91] metres; section 3.2.  With 49 outputs, those of twins, twin()."""
+    if len(layers[-1][1]) == len(PAIR_TWINS):
+        return twin(layers, x)
     for weight, bias in layers:
         x = np.maximum(x @ weight.astype(float) + bias, 0)
     return x
+
+
+def twin(layers: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarray:
+    """FConn with left and right alike, as a plain one of twice the width: [91] -> [91] metres.
+
+    A unit reads first and second twins by the sum of its even and its odd weights and by their
+    difference, its own twin the other way round.
+    """
+    first, second = PAIR_TWINS.T
+    x = np.concatenate([x[first], x[second]])
+    for weight, bias in layers:
+        even = weight[: len(x) // 2].astype(float)
+        odd = np.zeros_like(even)
+        odd[: len(weight) - len(even)] = weight[len(even) :]
+        dense = np.block([[even + odd, even - odd], [even - odd, even + odd]])
+        x = np.maximum(x @ dense + np.tile(bias, 2), 0)
+    out = np.zeros(len(first) + len(second) - SELF_TWINS)
+    out[first], out[second] = np.split(x, 2)
+    return out
 
 
 def fconv(params: dict[str, np.ndarray], x: np.ndarray) -> np.ndarray:
@@ -366,7 +424,9 @@ def blend(
 
 def lift(model: Model, keypoints: np.ndarray) -> tuple[np.ndarray, float, float]:
     """Pose [14,3], mirror margin and residual of keypoints [14,3]; raises Refused."""
-    distance = net(model.layers, edm(keypoints, model.fewest_joints, model.widest))
+    distance = net(
+        model.layers, edm(keypoints, model.fewest_joints, model.widest, model.completion)
+    )
     points = refine(mds(distance), distance, model.objective, model.refine_steps)
     points, margin = mirror(points, model.mirror)
     pose = blend(orient(points, keypoints), keypoints, **model.blend)

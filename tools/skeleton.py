@@ -54,6 +54,25 @@ ARMS, LEGS = ("right_arm", "left_arm"), ("right_leg", "left_leg")
 PAIRS = np.triu_indices(len(JOINTS), 1)
 
 
+def pair_twins() -> np.ndarray:
+    """Each pair of joints with its twin, the same with left for right: indices into PAIRS [49,2].
+
+    In the order of PAIRS; last come those that are their own, such as that of the knees.
+    """
+    number = np.zeros((len(JOINTS), len(JOINTS)), int)
+    number[PAIRS] = np.arange(len(PAIRS[0]))
+    number += number.T
+    twin = number[MIRROR[PAIRS[0]], MIRROR[PAIRS[1]]]
+    first = np.arange(len(twin))
+    return np.concatenate(
+        [np.stack([first, twin], 1)[keep] for keep in (first < twin, first == twin)]
+    )
+
+
+PAIR_TWINS = pair_twins()
+SELF_TWINS = 7  # of these, their own
+
+
 def indices(names: tuple[str, ...]) -> list[int]:
     """Joint indices of a tuple of joint names."""
     return [INDEX[name] for name in names]

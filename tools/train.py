@@ -1,14 +1,15 @@
 """Trains FConn or FConv on motion capture: weights to an .npz with a manifest beside it.
 
     train.py MOTION --out gen/fconn.npz
-    train.py MOTION --network fconv --epochs 30 --out gen/fconv.npz
+    train.py MOTION --network fconn --out build/as_in_the_paper.npz
+    train.py MOTION --recipe fconv --out gen/fconv.npz
     train.py MOTION --recipe paper --out build/paper.npz
 
-MOTION is an .npz or a folder that tools/mocap.py reads.  Every epoch sees fresh cameras, noise,
-missing joints and bodies.  First the plain L2 loss on the distances (section 3.2), then the error
-of the joints of the whole lift, through the MDS and the blend with the image.  `--hold-out` keeps
-subjects apart to watch the validation error by; a run goes on where its checkpoint (OUT with suffix
-.state) left off.
+FConn is twin.py's unless --network is `fconn`.  MOTION is an .npz or a folder that tools/mocap.py
+reads.  Every epoch sees fresh cameras, noise, missing joints and bodies.  First the plain L2 loss
+on the distances (section 3.2), then the error of the joints of the whole lift, through the MDS and
+the blend with the image.  `--hold-out` keeps subjects apart to watch the validation error by; a run
+goes on where its checkpoint (OUT with suffix .state) left off.
 """
 
 import argparse
@@ -32,6 +33,8 @@ import fconv
 import network
 import reference
 import skeleton
+import twin
+from fit_completion import read_header as read_completion
 from mirror import fit_mirror, rigid_errors
 from mocap import MocapError, Motion, load_motion
 from skeleton import LIMBS, PAIRS
@@ -42,7 +45,7 @@ from weights import NO_BLEND, manifest_text
 class Recipe:
     """Everything that decides the weights, besides the motion and the seed."""
 
-    network: str = "fconn"
+    network: str = "twin"
     l2_epochs: int = 20  # epochs of plain L2 on the distances ...
     mds_epochs: int = 1780  # ... then epochs on the joint error behind the MDS
     batch: int = 64
@@ -50,6 +53,7 @@ class Recipe:
     drop_rate_at: float = 0.0  # share of the epochs when the rate falls to a tenth; 0: cosine
     clip: float = 0.5  # global norm of the gradient
     distance_share: float = 0.5  # weight of the mean squared distance error, m^2, beside it
+    rigid: float = 0.7  # share of the joint error after rigid alignment; the rest in camera axes
     average: float = 0.999  # the saved weights are an exponential moving average; 0: the last ones
     dropout: float = 0.0
     iid: float = 0.5  # share of the poses with iid noise; the others get a detector's
@@ -58,6 +62,7 @@ class Recipe:
     least: float = 0.0  # share of either that every pose gets
     bodies: bool = True  # vary height and proportions
     masks: bool = True  # hide joints
+    complete: bool = True  # hidden joints are where gen/completion.h expects them, not zeros
     flip: bool = True  # mirror half of the motion: left-handed people, too
     mix: float = 0.3  # share of the poses with the arms of another one, and with the legs
     adapted: float = 0.25  # share of the poses whose head and neck are an adapter's
@@ -67,22 +72,26 @@ class Recipe:
 
 RECIPES = {
     "mds": Recipe(),
-    "l2": Recipe(l2_epochs=1800, mds_epochs=0, blend=False),
+    "fconv": Recipe(network="fconv", l2_epochs=5, mds_epochs=25, rigid=1.0),
+    "l2": Recipe(l2_epochs=1800, mds_epochs=0, blend=False, rigid=1.0),
     # Section 3.2 of the paper: L2, Adam, batches of 200, dropout 0.5, 500 epochs, the rate
     # divided by ten after 250; no noise or occlusion unless asked for.
     "paper": Recipe(
+        network="fconn",
         l2_epochs=500,
         mds_epochs=0,
         batch=200,
         rate=1e-3,
         drop_rate_at=0.5,
         clip=0.0,
+        rigid=1.0,
         average=0.0,
         dropout=0.5,
         noise=0.0,
         detector=0.0,
         bodies=False,
         masks=False,
+        complete=False,
         flip=False,
         mix=0.0,
         adapted=0.0,
@@ -91,7 +100,7 @@ RECIPES = {
     ),
 }
 
-NETWORKS = {"fconn": fconn, "fconv": fconv}
+NETWORKS = {"fconn": fconn, "twin": twin, "fconv": fconv}
 OBJECTIVES = ("none", "square", "raw", "eq2")  # of the refinement: edml_objective
 MAX_MISSING = 4  # most joints hidden in training: the lifter refuses more
 
@@ -143,25 +152,40 @@ def distance_losses(recipe: Recipe):
     """The loss of each phase: (params, keypoints [B,14,3], truth [B,14,3], key) -> a number, and
     what of the parameters is observed instead of trained."""
     net = NETWORKS[recipe.network]
+    completion = completion_of(recipe)
+    if recipe.mds_epochs > 0 and recipe.rigid < 1 and not recipe.blend:
+        raise ValueError("rigid must be 1 without the blend: the points are in axes of their own")
+
+    def forward(params, keypoints, key):
+        return net.forward(params, network.edm_2d(keypoints, completion), key, recipe.dropout)
 
     def l2_loss(params, keypoints, truth, key):
-        predicted, observed = net.forward(params, network.edm_2d(keypoints), key, recipe.dropout)
+        predicted, observed = forward(params, keypoints, key)
         return jnp.mean((predicted - network.edm_3d(truth)) ** 2), observed
 
     def mds_loss(params, keypoints, truth, key):
-        predicted, observed = net.forward(params, network.edm_2d(keypoints), key, recipe.dropout)
-        error = pose_errors(predicted, keypoints, truth, params.get("blend")).mean()
+        predicted, observed = forward(params, keypoints, key)
+        pose = poses(predicted, keypoints, truth, params.get("blend"))
+        error = network.joint_errors(pose, truth).mean()
+        if recipe.rigid < 1:
+            turned = network.camera_errors(pose, truth).mean()
+            error = recipe.rigid * error + (1 - recipe.rigid) * turned
         share = jnp.mean((predicted - network.edm_3d(truth)) ** 2)
         return error + recipe.distance_share * share, observed
 
     return l2_loss, mds_loss
 
 
-def pose_errors(distances, keypoints, truth, blend):
-    """Joint errors [B,14] of the better of pose and reflection, metres; blend None: of the MDS."""
+def completion_of(recipe: Recipe) -> np.ndarray | None:
+    """For network.edm_2d(): [14,14], or None."""
+    return read_completion().astype(np.float32) if recipe.complete else None
+
+
+def poses(distances, keypoints, truth, blend):
+    """What errors are measured of, [B,14,3]; blend None: the points of the MDS, in their axes."""
     if blend is None:
-        return network.joint_errors(network.classical_mds(distances), truth)
-    return network.joint_errors(network.poses(distances, keypoints, truth, blend), truth)
+        return network.classical_mds(distances)
+    return network.poses(distances, keypoints, truth, blend)
 
 
 def make_epoch(loss, recipe: Recipe, optimizer: optax.GradientTransformation):
@@ -220,27 +244,28 @@ BLOCK = 500  # views that a network takes at once
 
 
 @functools.partial(jax.jit, static_argnums=0)
-def predict_block(net: ModuleType, params, keypoints: jax.Array) -> jax.Array:
-    return net.predict(params, network.edm_2d(keypoints))
+def predict_block(net: ModuleType, params, keypoints: jax.Array, completion) -> jax.Array:
+    return net.predict(params, network.edm_2d(keypoints, completion))
 
 
-def predict(net: ModuleType, params, keypoints: np.ndarray) -> np.ndarray:
+def predict(recipe: Recipe, params, keypoints: np.ndarray) -> np.ndarray:
     """Distances [F,91] of keypoints [F,14,3], a block at a time."""
+    net, completion = NETWORKS[recipe.network], completion_of(recipe)
     blocks = [keypoints[i : i + BLOCK] for i in range(0, len(keypoints), BLOCK)]
-    return np.concatenate([predict_block(net, params, block) for block in blocks])
+    return np.concatenate([predict_block(net, params, block, completion) for block in blocks])
 
 
 @jax.jit
 def mean_errors(distances, keypoints, truth, blend):
     """The mean of each pose's, [B]."""
-    return pose_errors(distances, keypoints, truth, blend).mean(1)
+    return network.joint_errors(poses(distances, keypoints, truth, blend), truth).mean(1)
 
 
-def validate(net: ModuleType, params, columns, subject: np.ndarray) -> dict[str, float]:
+def validate(recipe: Recipe, params, columns, subject: np.ndarray) -> dict[str, float]:
     """Oracle-mirror error of each column in mm: the mean over subjects of their means."""
     result = {}
     for name, (keypoints, truth) in columns.items():
-        distances = predict(net, params, keypoints)
+        distances = predict(recipe, params, keypoints)
         error = np.asarray(mean_errors(distances, keypoints, truth, params.get("blend")))
         means = [error[subject == s].mean() for s in np.unique(subject)]
         result[name] = round(float(1000 * np.mean(means)), 2)
@@ -353,7 +378,7 @@ def train(run: Run, held: Motion, state: Path) -> None:
             if not np.isfinite(loss):
                 raise FloatingPointError(f"loss is {loss} in epoch {run.epoch}: lower the rate")
             if run.epoch % max(1, run.epochs // STOPS) == 0 or run.epoch == run.epochs:
-                error = validate(run.network, run.params, columns, sample.subject)
+                error = validate(run.recipe, run.params, columns, sample.subject)
                 run.curve[run.epoch] = {"loss": round(loss, 4), **error}
                 run.save_state(state)
             bar.update()
@@ -393,7 +418,7 @@ def settings(run: Run) -> dict:
             run.motion.joints, run.recipe, np.random.default_rng([run.seed, 1 << 31, epoch])
         )
         widest = max(widest, aspect(keypoints).max())
-        distance = predict(run.network, run.params, keypoints)
+        distance = predict(run.recipe, run.params, keypoints)
         distances.append(distance.astype(float))
         points.append(np.asarray(network.classical_mds(distance), float))
         truths.append(truth.astype(float))
@@ -404,6 +429,7 @@ def settings(run: Run) -> dict:
     objective = min(errors, key=errors.get)
     return {
         "fewest_joints": 14 - MAX_MISSING if run.recipe.masks else 14,
+        "missing": "completed" if run.recipe.complete else "zero",
         "widest": min(float(np.ceil(2 * widest) / 2), WIDEST),
         "objective": objective,
         "refine_steps": 0 if objective == "none" else REFINE_STEPS,
@@ -460,7 +486,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
     parser.add_argument("--out", type=Path, required=True, help="weights, .npz")
     parser.add_argument("--recipe", choices=RECIPES, default="mds")
-    parser.add_argument("--network", choices=NETWORKS, default="fconn")
+    parser.add_argument("--network", choices=NETWORKS, help="instead of the recipe's")
     parser.add_argument("--epochs", type=int, help="epochs in all, instead of the recipe's")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(
@@ -485,7 +511,9 @@ def main() -> int:
     state = args.out.with_suffix(".state")
     try:
         motion, held = split(load_motion(args.motion), args.hold_out)
-        recipe = dataclasses.replace(RECIPES[args.recipe], network=args.network)
+        recipe = RECIPES[args.recipe]
+        if args.network is not None:
+            recipe = dataclasses.replace(recipe, network=args.network)
         run = Run(motion, shorten(recipe, args.epochs), args.seed)
         if state.exists():
             run.load_state(state)

@@ -30,7 +30,11 @@ ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "accuracy" / "recipes.json"
 
 paper = functools.partial(dataclasses.replace, train.RECIPES["paper"])
-l2 = functools.partial(dataclasses.replace, train.RECIPES["l2"], l2_epochs=500)
+l2 = functools.partial(
+    dataclasses.replace, train.RECIPES["l2"], network="fconn", complete=False, l2_epochs=500
+)
+through = functools.partial(l2, l2_epochs=20, mds_epochs=480)
+ours = functools.partial(through, blend=True, complete=True, network="twin")
 fconv = functools.partial(paper, network="fconv", l2_epochs=30)
 detector = {"detector": 1.0, "least": 1.0}  # as noisy as the column cpm, always
 
@@ -42,9 +46,12 @@ RECIPES = {
     "the paper's, both, joints hidden": paper(masks=True, **detector),
     "without dropout": paper(masks=True, dropout=0.0, **detector),
     "our noise, bodies and motion, L2": l2(batch=128),
-    "through the MDS": l2(batch=128, l2_epochs=20, mds_epochs=480),
-    "blended with the image, batches of 64": l2(l2_epochs=20, mds_epochs=480, blend=True),
-    "the same, as long as FConv": l2(l2_epochs=5, mds_epochs=25, blend=True),
+    "through the MDS": through(batch=128),
+    "blended with the image, batches of 64": through(blend=True),
+    "missing joints guessed": through(blend=True, complete=True),
+    "left and right alike": ours(),
+    "in the camera's axes, too": ours(rigid=0.7),
+    "left and right alike, as long as FConv": ours(l2_epochs=5, mds_epochs=25),
     "FConv: the paper's, exact 2D": fconv(),
     "FConv: the paper's, both": fconv(**detector),
     "FConv: the paper's, both, joints hidden": fconv(masks=True, **detector),

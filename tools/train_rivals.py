@@ -45,13 +45,12 @@ class Recipe(train.Recipe):
     hidden: tuple[int, ...] = (128, 128)
     residual: bool = False  # batch normalisation, and a skip around each two layers
     mask: bool = False  # which joints are seen is input, too
-    rigid: float = 0.8  # share of the joint error after rigid alignment; the rest without
 
     def noted(self, seed: int) -> dict:
         """What decides the weights, for the JSON."""
         fields = dataclasses.asdict(self)
         fields["epochs"] = fields.pop("mds_epochs")
-        unused = ("network", "l2_epochs", "distance_share")
+        unused = ("network", "l2_epochs", "distance_share", "complete")
         return {"seed": seed} | {k: v for k, v in fields.items() if k not in unused}
 
 
@@ -59,6 +58,7 @@ def recipe(**changes) -> Recipe:
     """FConn's recipe, but for the changes; the phase of L2 on distances has no counterpart."""
     base = train.RECIPES["mds"]
     fields = dataclasses.asdict(base) | {"l2_epochs": 0, "distance_share": 0.0, "blend": False}
+    fields["rigid"] = 0.8
     fields["mds_epochs"] = base.l2_epochs + base.mds_epochs
     return Recipe(**fields | changes)
 

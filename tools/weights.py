@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 PAIRS = 91  # EDML_PAIRS
-WIDEST = 128  # EDML_LAYER_WIDEST
+TWINS = 49  # of them, one of each twins: skeleton.PAIR_TWINS
+WIDEST = 192  # EDML_LAYER_WIDEST
 
 # What a manifest says of lib/blend.inc if poses are not to be moved: share, and metres.
 NO_BLEND = {"share": 0.0, "misfit": 1.0, "distance": 1000.0}
@@ -320,8 +321,12 @@ def one_line(error: Exception) -> str:
 # ---- Checks ------------------------------------------------------------------------------------
 
 
-def check_layers(layers: Iterable[tuple[Any, Any]]) -> list[Layer]:
-    """The layers in float32, if the C kernels can run them; else ExportError."""
+def check_layers(layers: Iterable[tuple[Any, Any]], twins: bool = False) -> list[Layer]:
+    """The layers in float32, if the C kernels can run them; else ExportError.
+
+    With `twins`, of a network that twin_weights.py describes: an output is two units.
+    """
+    units, last = (2, TWINS) if twins else (1, PAIRS)
     layers = [
         Layer(to_float32(weight, f"layer {k}: weight", 2), to_float32(bias, f"layer {k}: bias", 1))
         for k, (weight, bias) in enumerate(layers)
@@ -336,11 +341,11 @@ def check_layers(layers: Iterable[tuple[Any, Any]]) -> list[Layer]:
             raise ExportError(f"layer {k} takes {inputs} values, {before} {width}")
         if len(bias) != outputs:
             raise ExportError(f"layer {k} has {outputs} outputs, but {len(bias)} biases")
-        if outputs > WIDEST:
-            raise ExportError(f"layer {k} is {outputs} wide, at most {WIDEST} fit")
-        width = outputs
-    if width != PAIRS:
-        raise ExportError(f"the last layer gives {width} values, not {PAIRS}")
+        width = units * outputs
+        if width > WIDEST:
+            raise ExportError(f"layer {k} is {width} wide, at most {WIDEST} fit")
+    if outputs != last:
+        raise ExportError(f"the last layer gives {outputs} values, not {last}")
     return layers
 
 

@@ -36,7 +36,7 @@ static void make_pose(int i)
     }
 }
 
-STAGE stage_edm(void) { NAME(edml_edm)(edm, in, 10, SETTING(MODEL.widest)); }
+STAGE stage_edm(void) { NAME(edml_edm)(edm, in, 10, SETTING(MODEL.widest), MODEL.completion); }
 #ifdef FCONV
 STAGE stage_net(void) { NAME(edml_net_fconv)(distance, edm, &MODEL, &fconv_work); }
 #else

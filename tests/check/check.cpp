@@ -6,6 +6,7 @@ check_tally tally;
 #include "seen.inc"
 #include "vector.inc"
 
+#include "complete.inc"
 #include "edm.inc"
 #include "jacobi.inc"
 #include "mds.inc"

@@ -119,6 +119,7 @@ struct work_memory {
 
 #define REAL(constant) real::from((__int128)((constant) * 16777216.0 + 0.5))
 #define SETTING(number) real((number).q24)
+#define FRACTION(a) (real(a) * 4096)
 #define EPSILON 8
 #define MUL(a, b) check_mul(a, b)
 #define DIV(a, b) check_div(a, b)

@@ -496,6 +496,7 @@ def test_model(header: Path) -> None:
         "    3, /* layers */",
         "    10, /* fewest joints */",
         f"    {{0x1.ap2F, {13 << 23}}}, /* widest: 6.5 */",
+        "    NULL, /* joints that are not seen */",
         "    EDML_STRESS_NONE,",
         "    0, /* refinement steps */",
         f"    {{{{0x1p-1F, {1 << 23}}}, {{-0x1.4p0F, {-5 << 22}}}, {{0x1.99999ap-4F, 1677722}}, "
@@ -675,7 +676,7 @@ def test_other_format_does_not_compile(tmp_path: Path, header: Path) -> None:
     [
         ((90, 128, 91), "layer 0 takes 90 values, the pose has 91"),
         ((91, 128, 90), "the last layer gives 90 values, not 91"),
-        ((91, 129, 91), "layer 0 is 129 wide, at most 128 fit"),
+        ((91, 193, 91), "layer 0 is 193 wide, at most 192 fit"),
     ],
 )
 def test_shape(tmp_path: Path, capsys, shape: tuple[int, ...], message: str) -> None:
@@ -869,6 +870,8 @@ def test_mat_without_a_network(tmp_path: Path, capsys) -> None:
         ({"fewest_joints": 3}, "fewest_joints must be 4 to 14"),
         ({"fewest_joints": 10.5}, "fewest_joints must be 4 to 14"),
         ({"fewest_joints": True}, "fewest_joints must be 4 to 14"),
+        ({"missing": "guess"}, "missing must be one of zero, completed"),
+        ({"missing": "completed", "fewest_joints": 4}, "fewest_joints must be 5 or more"),
         ({"widest": 0}, "widest must be over 0 and below 128"),
         ({"widest": 128}, "widest must be over 0 and below 128"),
         ({"widest": float("nan")}, "widest must be over 0"),

@@ -268,11 +268,13 @@ def test_the_last_layers_sums_leave_a_bit_for_adding_two(folder):
     calibration = json.loads((folder / "net.json").read_text())["calibration"]
     network = quantise.quantise(layers, calibration, "q7", fconv_weights.PLAN)
     for k, dense in enumerate(network):
-        bounds = quantise.sum_bounds(dense.weight.astype(np.int64), dense.bias.astype(np.int64))
+        reach = quantise.input_ranges(fconv_weights.PLAN, k, dense)
+        weight, bias = dense.weight.astype(np.int64), dense.bias.astype(np.int64)
+        bounds = quantise.sum_bounds(weight, bias, reach)
         limit = 1 << (30 if k == 4 else 31)
         assert -limit <= bounds[0].min() and bounds[1].max() < limit
     with pytest.raises(ExportError, match="beyond 31 bits"):
-        quantise.prove(network[4]._replace(bias=np.array([1 << 30], np.int64)), 4, 1 << 30)
+        quantise.prove(network[4]._replace(bias=np.array([1 << 30], np.int64)), 4, reach, 1 << 30)
 
 
 # ---- Errors ------------------------------------------------------------------------------------

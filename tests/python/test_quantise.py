@@ -16,9 +16,9 @@ from conftest import ROOT
 import edmlift
 import firmware
 import quantise
-from export_weights import main
+from export_weights import main, read_network
 from quantise import ACTIVATION, METRE, WORD, Dense
-from weights import ExportError, Layer, read_layers
+from weights import ExportError, Layer
 
 FORMS = ("q15", "q7")
 SHAPE = (91, 120, 128, 91)
@@ -160,10 +160,19 @@ def test_no_sum_can_overflow_and_scales_are_the_largest(layers, calibration, for
 def test_sums_at_the_bound_are_computed(layers, calibration):
     """Inputs that drive a row to its bound: the model of the kernel agrees with the bound."""
     dense = quantise.quantise(layers, calibration, "q15")[1]
-    _, highest = quantise.sum_bounds(dense.weight.astype(np.int64), dense.bias.astype(np.int64))
+    weight, bias = dense.weight.astype(np.int64), dense.bias.astype(np.int64)
+    _, highest = quantise.sum_bounds(weight, bias, reach(dense))
     x = np.where(dense.weight[:, 3] > 0, ACTIVATION, 0)
     assert x @ dense.weight[:, 3].astype(np.int64) + dense.bias[3] == highest[3]
     assert highest[3] > 2**30
+
+
+def reach(dense: Dense) -> np.ndarray:
+    return quantise.input_ranges(quantise.DENSE, 0, dense)
+
+
+def prove(dense: Dense, number: int) -> None:
+    quantise.prove(dense, number, reach(dense))
 
 
 def dense_of(weight: list[int], bias: int, **changes: int) -> Dense:
@@ -177,19 +186,19 @@ def dense_of(weight: list[int], bias: int, **changes: int) -> Dense:
 )
 def test_the_proof_is_exact(weight, room):
     most = WORD - 1 - room
-    quantise.prove(dense_of(weight, most), 0)
+    prove(dense_of(weight, most), 0)
     with pytest.raises(ExportError, match="layer 2: sums of row 0 .* beyond 32 bits"):
-        quantise.prove(dense_of(weight, most + 1), 2)
+        prove(dense_of(weight, most + 1), 2)
     flipped = [-w for w in weight]
-    quantise.prove(dense_of(flipped, -most - 1), 0)
+    prove(dense_of(flipped, -most - 1), 0)
     with pytest.raises(ExportError, match="beyond 32 bits"):
-        quantise.prove(dense_of(flipped, -most - 2), 0)
+        prove(dense_of(flipped, -most - 2), 0)
 
 
 @pytest.mark.parametrize("changes", [{"shift": 0}, {"shift": 63}, {"factor": np.array([0])}])
 def test_the_proof_looks_at_factor_and_shift(changes):
     with pytest.raises(ExportError, match="factor or shift"):
-        quantise.prove(dense_of([1], 0, **changes), 0)
+        prove(dense_of([1], 0, **changes), 0)
 
 
 @pytest.mark.filterwarnings("ignore:invalid value encountered in cast")  # of a bias
@@ -332,7 +341,8 @@ def test_without_an_fpu_no_float_code_is_linked(tmp_path, form):
     target = firmware.TARGETS["cortex-m3"]
     need_cross_compiler(target)
     asked, defined = set(), set()
-    for name in (f"fconn_{form}", f"model_fconn_{form}", "net_q24", "model"):
+    kernels = (f"fconn_{form}", f"twin_{form}", "completion")
+    for name in (*kernels, f"model_fconn_{form}", "net_q24", "model"):
         item = tmp_path / f"{name}.o"
         compile_it = firmware.compiler(target, "-Os")
         firmware.run(*compile_it, "-c", ROOT / "lib" / f"{name}.c", "-o", item)
@@ -349,9 +359,10 @@ def test_the_shipped_model_is_the_model_in_numpy(edms, form):
         pytest.skip("the tools' library is not built")
     library = edmlift.Library(f"fconn_{form}")
     calibration = json.loads((ROOT / "gen" / "fconn.json").read_text())["calibration"]
-    layers = read_layers(ROOT / "gen" / "fconn.npz")
+    kind, layers = read_network(ROOT / "gen" / "fconn.npz")
     whole = np.rint(edms[:100] * 2**16).astype(np.int64)  # exact in float
-    expected = quantise.run(quantise.quantise(layers, calibration, form), whole << 8)
+    network = quantise.quantise(layers, calibration, form, kind.plan)
+    expected = quantise.run(network, whole << 8, kind.plan)
     for x, y in zip(whole, expected, strict=True):
         assert np.array_equal(library.net(x / 2**16), y.astype(np.float32) / METRE)
 

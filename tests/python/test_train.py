@@ -253,7 +253,7 @@ def test_the_command_writes_weights_and_manifest(tmp_path):
     assert manifest["data"]["subjects"] == [1, 2, 3] and manifest["data"]["held_out"] == [4]
     assert len(manifest["mirror"]) == 5 and manifest["widest"] > 0.3
     with np.load(out) as weights:
-        assert weights["weight0"].shape == (91, 128) and weights["bias2"].shape == (91,)
+        assert weights["weight0"].shape == (91, 96) and weights["bias2"].shape == (49,)
     assert not out.with_suffix(".state").exists()
 
 
@@ -297,6 +297,8 @@ def test_blending_is_trained_along():
         run.advance(run.draw(run.epoch))
     assert not np.array_equal(run.params["blend"], network.BLEND)
     assert 0 < train.blend_settings(run.params["blend"])["share"] < 1
-    without = train.Run(people(), dataclasses.replace(SHORT, blend=False), 7)
+    without = train.Run(people(), dataclasses.replace(SHORT, blend=False, rigid=1.0), 7)
     assert "blend" not in without.params
     assert train.blend_settings(None)["share"] == 0
+    with pytest.raises(ValueError, match="rigid must be 1 without the blend"):
+        train.Run(people(), dataclasses.replace(SHORT, blend=False), 7)

@@ -1,0 +1,4 @@
+/* SPDX-License-Identifier: MIT */
+#include "edmlift.h"
+
+#include "../gen/completion.h"
