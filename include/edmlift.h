@@ -102,8 +102,9 @@ const char *edml_status_name(edml_status status); /* "too_few_joints"; "?" when 
 /* A trained network and the settings that were measured with it; constant data in flash. */
 typedef struct edml_model edml_model;
 
-/* FConn, 91-192-192-91 with left and right alike, 36,817 weights: in float32, and quantised, all in whole numbers, with weights of up to 16 and of
- * 8 bits.  On a processor that multiplies whole numbers faster, or not floats, take these. */
+/* FConn, 91-192-192-91 with left and right alike, which takes 36,817 weights: in float32, and quantised,
+ * all in whole numbers, with weights of up to 16 and of 8 bits.  On a processor that multiplies whole
+ * numbers faster, or not floats, take these. */
 extern const edml_model edml_fconn_f32, edml_fconn_q15, edml_fconn_q7;
 
 const char *edml_model_name(const edml_model *model);
@@ -116,7 +117,8 @@ typedef struct edml_work edml_work;
 /* Lifts one person.
  *   in     14 keypoints.  Coordinates may be of any size and offset; only the shape counts.
  *   model  &edml_fconn_f32, or a quantised one
- * Time does not depend on the input beyond the number of Jacobi rotations, which is bounded. */
+ * Time depends on the input by the numbers of joints that are missing and of Jacobi rotations alone,
+ * which are bounded. */
 edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
                       const edml_model *model, edml_work *work);
 

@@ -43,14 +43,15 @@ typedef struct {
 } edml_dense_f32;
 
 /* In whole numbers: y = ((W x + b) factor + 2^(shift - 1)) >> shift, limited to 0 to `most`, the
- * product in 64 bits.  0 <= x <= EDML_ACTIVATION, or half of it where left and right are alike; the exporter proves, by the L1 norms of the rows,
- * that no sum on the way to W x + b leaves 32 bits. */
+ * product in 64 bits.  0 <= x <= EDML_ACTIVATION; where left and right are alike, x are sums and
+ * differences of two activations of up to half of that.  The exporter proves, by the L1 norms of the
+ * rows, that no sum on the way to W x + b leaves 32 bits. */
 typedef struct {
     uint16_t inputs, outputs;
     const int16_t *weight; /* [groups][inputs][EDML_ROWS], EDML_IN_WORDS */
     const int32_t *bias, *factor; /* [groups * EDML_ROWS]; factor > 0 */
     uint8_t shift; /* 1 to 62 */
-    int32_t most; /* that of x; in the last layer, whose y is in metres, Q24: 3 m */
+    int32_t most; /* of an activation; in the last layer, whose y is in metres, Q24: 3 m */
 } edml_dense_q15;
 
 typedef struct { /* the same with weights of 8 bits */
