@@ -14,6 +14,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+import fconn
 from skeleton import PAIR_TWINS, SELF_TWINS
 
 Params = dict[str, jax.Array]  # weight0 [even + odd inputs, units], bias0 [units], weight1 ...
@@ -67,6 +68,4 @@ def forward(
     return distances.at[:, PAIR_TWINS[:, 1]].set(second), {}
 
 
-def shipped(params: Params) -> dict[str, np.ndarray]:
-    """The arrays of gen/fconn.npz."""
-    return {n: np.asarray(v) for n, v in params.items() if n.startswith(("weight", "bias"))}
+shipped = fconn.shipped  # the arrays of gen/fconn.npz

@@ -33,6 +33,9 @@ def checked(layers: Iterable[tuple[Any, Any]]) -> list[Layer]:
     for k, layer in enumerate(layers[:-1]):
         if len(layer.bias) % ROWS:
             raise ExportError(f"layer {k}: {len(layer.bias)} twins, not a multiple of {ROWS}")
+    last = layers[-1].weight
+    if last[even_inputs(len(layers) - 1, layers[-1]) :, -SELF_TWINS:].any():
+        raise ExportError(f"the last {SELF_TWINS} outputs, their own twins, have odd weights")
     return layers
 
 

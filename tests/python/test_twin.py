@@ -179,5 +179,9 @@ def test_dropout_is_refused(params, edms):
 
 def test_what_a_hidden_layer_cannot_be(params):
     layers = pairs(params)
+    crooked = layers[2].weight.copy()
+    crooked[-1, 45] = 1e-3
+    with pytest.raises(ExportError, match="the last 7 outputs, their own twins, have odd weights"):
+        twin_weights.checked([*layers[:2], (crooked, layers[2].bias)])
     with pytest.raises(ExportError, match="the last layer gives 48 values, not 49"):
         twin_weights.checked([*layers[:2], (layers[2].weight[:, :48], layers[2].bias[:48])])
