@@ -53,6 +53,7 @@ RECIPES = {
     "in the camera's axes, too": ours(rigid=0.7),
     "left and right alike, as long as FConv": ours(l2_epochs=5, mds_epochs=25),
     "FConv: the paper's, exact 2D": fconv(),
+    "FConv: the paper's, detector's noise": fconv(iid=0.0, **detector),
     "FConv: the paper's, both": fconv(**detector),
     "FConv: the paper's, both, joints hidden": fconv(masks=True, **detector),
 }
