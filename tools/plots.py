@@ -93,6 +93,23 @@ def by_joint(figures: dict) -> Figure:
     return figure
 
 
+def people(errors: dict[str, dict[str, dict[str, float]]], column: str) -> Figure:
+    """Error of each person in a column, by networks that never saw them: errors is
+    {network: {column: {person: mm}}}, the library's first."""
+    figure, ax = _axes("Error by person, of networks that never saw them")
+    library, *others = (row[column] for row in errors.values())
+    order = sorted(library, key=library.get)
+    at = np.arange(len(order))
+    ax.bar(at, [library[p] for p in order], color=LIBRARY, width=0.6, label=next(iter(errors)))
+    for marker, title, other in zip(MARKERS, [*errors][1:], others, strict=False):
+        ax.plot(at, [other[p] for p in order], marker, color=TEXT, mfc="none", ms=6, label=title)
+    ax.set_xticks(at, order)
+    ax.set_xlabel("person, by the number in the database", color=TEXT)
+    ax.margins(x=0.01, y=0.2)
+    ax.legend(frameon=False, loc="upper left", fontsize=9)
+    return figure
+
+
 def noise(figures: dict, rivals: dict, paper: dict[str, float]) -> Figure:
     """Error against noise on each coordinate, beside the paper's."""
     figure, ax = _axes("Error against noise", wide=6.0)

@@ -18,7 +18,8 @@ from skeleton import mid_hip
 TRAINED = Path(__file__).resolve().parents[1] / "docs" / "accuracy" / "rivals.json"
 TITLES = {
     "mlp40k": "Cartesian network, 40 K",
-    "mlp40k_blend": "the same, blended with the image",
+    "mlp40k_guess": "the same, missing joints guessed",
+    "mlp40k_blend": "that of 40 K, blended with the image",
     "mlp25k": "Cartesian network, 25.6 K",
     "martinez": "residual network, 4.3 M",
 }

@@ -50,7 +50,7 @@ class Recipe(train.Recipe):
         """What decides the weights, for the JSON."""
         fields = dataclasses.asdict(self)
         fields["epochs"] = fields.pop("mds_epochs")
-        unused = ("network", "l2_epochs", "distance_share", "complete")
+        unused = ("network", "l2_epochs", "distance_share")
         return {"seed": seed} | {k: v for k, v in fields.items() if k not in unused}
 
 
@@ -58,7 +58,7 @@ def recipe(**changes) -> Recipe:
     """FConn's recipe, but for the changes; the phase of L2 on distances has no counterpart."""
     base = train.RECIPES["mds"]
     fields = dataclasses.asdict(base) | {"l2_epochs": 0, "distance_share": 0.0, "blend": False}
-    fields["rigid"] = 0.8
+    fields |= {"rigid": 0.8, "complete": False}
     fields["mds_epochs"] = base.l2_epochs + base.mds_epochs
     return Recipe(**fields | changes)
 
@@ -68,8 +68,9 @@ martinez = functools.partial(
 )
 
 RIVALS = {  # what was best of TRIALS
-    "mlp40k": recipe(hidden=(121, 121, 121), mask=True, rate=3e-3, batch=128),
-    "mlp40k_blend": recipe(hidden=(121, 121, 121), mask=True, rate=3e-3, blend=True),
+    "mlp40k": recipe(hidden=(121,) * 3, mask=True, rate=3e-3, batch=128),
+    "mlp40k_guess": recipe(hidden=(121,) * 3, mask=True, rate=3e-3, batch=128, complete=True),
+    "mlp40k_blend": recipe(hidden=(121,) * 3, mask=True, rate=3e-3, blend=True),
     "mlp25k": recipe(hidden=(128, 128), rate=3e-3, batch=128),
     "martinez": martinez(mask=True),
 }
@@ -90,6 +91,9 @@ TRIALS = {
     "40 K, aligned, mask, rate 0.003": small(hidden=(162,) * 2, mask=True, rate=3e-3),
     "40 K, aligned, all three": small(hidden=(120,) * 3, mask=True, rate=3e-3),
     "40 K, 0.8 aligned, all three": small(hidden=(120,) * 3, mask=True, rate=3e-3, rigid=0.8),
+    "the same, missing joints guessed": small(
+        hidden=(120,) * 3, mask=True, rate=3e-3, rigid=0.8, complete=True
+    ),
     "4.3 M, no dropout": large(),
     "4.3 M, dropout 0.1": large(dropout=0.1),
     "4.3 M, dropout 0.5": large(dropout=0.5),
@@ -110,8 +114,10 @@ def rival_loss(recipe: Recipe):
     """(params, keypoints [B,14,3], truth [B,14,3], key) -> mean joint error, metres; and {}, for
     nothing of the parameters is observed."""
 
+    completion = train.completion_of(recipe)
+
     def loss(params, keypoints, truth, key):
-        x = cartesian.inputs(keypoints, recipe.mask)
+        x = cartesian.inputs(keypoints, recipe.mask, completion)
         layers = params["layers"]
         points, _ = cartesian.forward(layers, x, recipe.residual, None, key, recipe.dropout)
         points = blended(points, keypoints, params)
@@ -131,7 +137,7 @@ def predict(params, statistics, keypoints, recipe: Recipe):
 
     These are measured on the keypoints where they are not given.
     """
-    x = cartesian.inputs(keypoints, recipe.mask)
+    x = cartesian.inputs(keypoints, recipe.mask, train.completion_of(recipe))
     points, used = cartesian.forward(params["layers"], x, recipe.residual, statistics)
     return blended(points, keypoints, params), used
 
