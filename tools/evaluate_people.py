@@ -51,7 +51,6 @@ def deal(subject: np.ndarray, folds: int) -> list[list[int]]:
 
 def lifters(rest: Motion, held: Motion, epochs: int, folder: Path, seed: int) -> Iterator:
     """(title, what lifts) of each network, trained on `rest`; `held` is only watched."""
-    folder.mkdir(parents=True, exist_ok=True)
     recipe = train.shorten(train.RECIPES["mds"], epochs)
     weights = folder / "fconn.npz"
     train_recipes.run_recipe(rest, recipe, seed, weights)
@@ -85,6 +84,7 @@ def measure_fold(motion: Motion, people: list[int], args: argparse.Namespace) ->
         if found["about"] != about:
             raise ValueError(f"{done}: of another run; remove it to start anew")
         return found["errors"]
+    folder.mkdir(parents=True, exist_ok=True)
     rest, held = train.split(motion, people)
     columns = evaluate.views(held.joints)
     errors = {

@@ -44,6 +44,19 @@ def test_the_input_is_what_the_distances_are_made_of():
     assert np.allclose(top, -1, atol=1e-5) and np.allclose(bottom, 1, atol=1e-5)
 
 
+def test_missing_joints_may_be_guessed():
+    keypoints, _ = views()
+    seen = keypoints[..., 2] > 0
+    zero = np.asarray(cartesian.inputs(jnp.asarray(keypoints))).reshape(-1, 14, 2)
+    completion = train.completion_of(train.RECIPES["mds"])
+    guessed = cartesian.inputs(jnp.asarray(keypoints), completion=completion)
+    guessed = np.asarray(guessed).reshape(-1, 14, 2)
+    assert np.allclose(guessed[seen], zero[seen], atol=1e-4)
+    # Where each is expected, given all the others.
+    assert np.allclose((completion @ guessed)[~seen], guessed[~seen], atol=1e-3)
+    assert np.abs(guessed[~seen]).mean() > 0.1
+
+
 def test_neither_size_nor_place_nor_a_joint_that_is_not_seen_matters():
     keypoints, _ = views()
     other = keypoints * [2, 2, 1] + [30, -70, 0]
@@ -55,6 +68,7 @@ def test_neither_size_nor_place_nor_a_joint_that_is_not_seen_matters():
 def test_rivals_have_the_parameters_that_they_are_named_for():
     runs = {n: train_rivals.Run(people(1100), r, 0) for n, r in train_rivals.RIVALS.items()}
     sizes = {name: cartesian.count(run.layers) for name, run in runs.items()}
+    assert sizes["mlp40k"] == sizes["mlp40k_guess"] == sizes["mlp40k_blend"]
     assert sizes["mlp40k"] == pytest.approx(40_027, rel=0.01)  # FConn's
     assert sizes["mlp25k"] == 28 * 128 + 128 + 128 * 128 + 128 + 128 * 42 + 42 == 25_642
     assert sizes["martinez"] == pytest.approx(4.3e6, rel=0.01)
