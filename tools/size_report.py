@@ -60,6 +60,7 @@ class Cost:
     stack: int  # of the lift, the deepest
     place_stack: int  # of edml_place, which is no part of the lift
     edm: int
+    guess: int  # the same, of a pose without knees and ankles
     net: int
     mds: int
     mirror: int

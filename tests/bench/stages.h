@@ -10,6 +10,7 @@ enum { POSES = 4, STEPS = 10 }; /* its work hardly depends on the pose */
 enum { POSES = 64, STEPS = 10 };
 #endif
 
+static keypoint partly[EDML_JOINTS]; /* `in` without knees and ankles */
 static real edm[EDML_PAIRS], distance[EDML_PAIRS];
 static point x[EDML_JOINTS];
 static placement placed;
@@ -20,6 +21,7 @@ static void make_pose(int i)
     static const int16_t person[EDML_JOINTS][2] = {
         {512, 240}, {508, 301}, {461, 318}, {452, 387}, {489, 440}, {556, 317}, {571, 389},
         {561, 447}, {478, 466}, {470, 561}, {463, 655}, {537, 465}, {551, 556}, {590, 640}};
+    static const keypoint unseen = {0, 0, 0};
     uint32_t seed = 2654435761U * (uint32_t)(i + 1);
     for (int j = 0; j < EDML_JOINTS; j++) {
         int32_t at[2]; /* pixels, Q16 */
@@ -32,11 +34,18 @@ static void make_pose(int i)
 #else
         const keypoint seen = {(float)at[0] / 65536.0F, (float)at[1] / 65536.0F, 1.0F};
 #endif
-        in[j] = seen;
+        in[j] = partly[j] = seen;
     }
+    partly[EDML_R_KNEE] = partly[EDML_R_ANKLE] = partly[EDML_L_KNEE] = partly[EDML_L_ANKLE] = unseen;
 }
 
-STAGE stage_edm(void) { NAME(edml_edm)(edm, in, 10, SETTING(MODEL.widest), MODEL.completion); }
+static void edm_of(const keypoint joints[EDML_JOINTS])
+{
+    NAME(edml_edm)(edm, joints, 10, SETTING(MODEL.widest), MODEL.completion);
+}
+
+STAGE stage_guess(void) { edm_of(partly); }
+STAGE stage_edm(void) { edm_of(in); }
 #ifdef FCONV
 STAGE stage_net(void) { NAME(edml_net_fconv)(distance, edm, &MODEL, &fconv_work); }
 #else
@@ -60,13 +69,15 @@ STAGE stage_place(void)
     NAME(edml_place)(&placed, &out, in, &by, &work);
 }
 
-/* In the order in which data flow; the shipped models' lift goes without the refinement. */
+/* In the order in which data flow, the EDM of joints that are partly guessed before that of all; the
+ * shipped models' lift goes without the refinement. */
 static const struct {
     const char *name;
     void (*run)(void);
 } stages[] = {
-    {"edm", stage_edm},       {"net", stage_net},       {"mds", stage_mds},   {"refine", stage_refine},
-    {"mirror", stage_mirror}, {"orient", stage_orient}, {"blend", stage_blend}, {"lift", stage_lift},
+    {"guess", stage_guess},   {"edm", stage_edm},       {"net", stage_net},
+    {"mds", stage_mds},       {"refine", stage_refine}, {"mirror", stage_mirror},
+    {"orient", stage_orient}, {"blend", stage_blend},   {"lift", stage_lift},
     {"place", stage_place},
 };
 enum { STAGES = (int)(sizeof stages / sizeof stages[0]) };
