@@ -11,15 +11,15 @@
 
 /* Raised when the meaning of the generated data changes; a header of another format does not
  * compile. */
-#define EDML_WEIGHTS_FORMAT 4
+#define EDML_WEIGHTS_FORMAT 5
 
 enum {
     EDML_LAYER_WIDEST = 192, /* units of a layer that fit edml_work */
     EDML_ROWS = 8,           /* rows of weights that lie side by side */
     EDML_ACTIVATION = 32767, /* the largest activation of a quantised network */
     EDML_FCONV_LAYERS = 5,
-    EDML_EDM_SHIFT = 12      /* its input is the EDM in Q24 shifted right by this: Q12, below 8; one
-                                more where left and right are alike */
+    EDML_EDM_SHIFT = 12,     /* its input is the EDM in Q24 shifted right by this: Q12, below 8 */
+    EDML_SOFT = 2458         /* of twin.inc, Q12 */
 };
 
 /* EDML_APART: a function that must not be inlined: its caller goes deeper once it is done, and what it

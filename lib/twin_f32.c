@@ -10,7 +10,7 @@ typedef float activation;
 typedef float weight;
 typedef edml_dense_f32 dense_layer;
 
-static float first_input(float edm) { return edm; }
+static float first_input(float edm) { return edm * edm / (edm + (float)EDML_SOFT / 4096); }
 
 static float activated(float sum, const dense_layer *layer, int row)
 {

@@ -1,8 +1,8 @@
 /* What twin_q15.c and twin_q7.c share: the vocabulary of twin.inc in whole numbers.  They say NAME,
  * `weight` and `dense_layer` first.
  *
- * Activations are up to half of EDML_ACTIVATION, for the sums of two of them to be 16 bits; so are
- * the distances of the EDM, in Q11.
+ * Activations are up to half of EDML_ACTIVATION, for the sums of two of them to be 16 bits; so is
+ * what is read of the EDM, in Q11.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -13,7 +13,11 @@
 
 typedef int32_t activation;
 
-static int32_t first_input(int32_t edm) { return edm_value(edm, EDML_EDM_SHIFT + 1); }
+static int32_t first_input(int32_t edm)
+{
+    const int32_t distance = edm_value(edm, EDML_EDM_SHIFT), sum = distance + EDML_SOFT; /* Q12 */
+    return (distance * distance + sum) / (2 * sum); /* to nearest */
+}
 
 static int32_t activated(int32_t sum, const dense_layer *layer, int row)
 {

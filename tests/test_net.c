@@ -211,6 +211,13 @@ static void fill_twin_pairs(void)
         for (int j = i + 1; j < EDML_JOINTS; j++) twin_pair[EDML_PAIR(i, j)] = twin_of(i, j);
 }
 
+/* d^2 / (d + 0.6) in Q11, d in Q12. */
+static int64_t softened(int32_t edm)
+{
+    const int64_t distance = scaled_down((int64_t)edm + 2048, 12, 32767), sum = distance + 2458;
+    return (distance * distance + sum) / (2 * sum);
+}
+
 static void expect_twin(const int32_t edm_in[EDML_PAIRS], const edml_model *model)
 {
     int64_t x[2][WIDE], y[2][WIDE]; /* first twins and second ones */
@@ -218,8 +225,8 @@ static void expect_twin(const int32_t edm_in[EDML_PAIRS], const edml_model *mode
     TEST_ASSERT_EQUAL_INT(49, count);
     fill_twin_pairs();
     for (int k = 0; k < count; k++) {
-        x[0][k] = scaled_down((int64_t)edm_in[pair[k]] + 4096, 13, 16383);
-        x[1][k] = scaled_down((int64_t)edm_in[twin_pair[pair[k]]] + 4096, 13, 16383);
+        x[0][k] = softened(edm_in[pair[k]]);
+        x[1][k] = softened(edm_in[twin_pair[pair[k]]]);
     }
     for (int n = 0; n < model->layer_count; n++) {
         const edml_dense_q15 layer = wide_layer(model, n, wide_weights);

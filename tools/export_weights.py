@@ -48,7 +48,7 @@ from weights import (
 )
 
 # What lib/model.h fixes; the header refuses to compile with another format.
-FORMAT = 4
+FORMAT = 5
 ROWS = 8  # EDML_ROWS
 
 NAMES = {"twin": "fconn"}  # of models, where they are not their kind's

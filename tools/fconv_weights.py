@@ -214,4 +214,4 @@ def forward_batch(layers: Sequence[Any], edms: np.ndarray, activate: Activate) -
     return [*values, activate(len(STAGES), both[..., None])[..., 0]]
 
 
-PLAN = Plan(forward, shares, sums=2, views=2000)
+PLAN = Plan(forward, shares=shares, sums=2, views=2000)

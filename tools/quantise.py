@@ -47,19 +47,28 @@ def from_zero(k: int, layer: Any) -> tuple[np.ndarray, np.ndarray]:
     return np.zeros(len(layer.weight), int), np.ones(len(layer.weight), int)
 
 
+def edm_value(edm: np.ndarray, shift: int = EDM_SHIFT) -> np.ndarray:
+    """Distances of an EDM in Q24, whole numbers, shifted to the right: to nearest, below 8."""
+    rounded = (edm.astype(np.int64) + (1 << shift >> 1)) >> shift
+    return np.minimum(rounded, (1 << 27 - shift) - 1)
+
+
 class Plan(NamedTuple):
     """What quantising must know of a kind of network beyond its layers."""
 
-    # Layers, EDMs [F,91], and what makes the sums of layer k its output -> what goes into each
+    # Layers, what the first one reads of EDMs [F,91], and what makes the sums of layer k its output -> what goes into each
     # layer, and the distances [F,91].  A layer may have several inputs a channel, its taps.
     forward: Callable[[Sequence[Any], np.ndarray, Activate], list[np.ndarray]]
+    # What the first layer reads of EDMs [F,91]: of distances, and of whole numbers in Q24.
+    first: Callable[[np.ndarray], np.ndarray] = lambda edms: edms
+    first_whole: Callable[[np.ndarray], np.ndarray] = edm_value
     # Which share of the outputs of layer k each tap counts in, [taps].
     shares: Callable[[int], np.ndarray] = lambda k: np.ones(1)
     # The largest activation among the inputs of a layer behind the first.
     largest: Callable[[np.ndarray], float] = lambda inputs: float(inputs.max())
     # Of layer k, least and largest value of each input [in], in largest activations.
     ranges: Callable[[int, Any], tuple[np.ndarray, np.ndarray]] = from_zero
-    spare: int = 0  # bits of an activation, and of the EDM, that are left to sums of them
+    spare: int = 0  # bits of an activation, and of the first input, that are left to sums of them
     sums: int = 1  # of the last layer, of whose mean a distance is made
     views: int | None = None  # to calibrate on; all
 
@@ -69,9 +78,9 @@ class Plan(NamedTuple):
         return ACTIVATION >> self.spare
 
     @property
-    def edm_shift(self) -> int:
-        """From Q24 to what the network reads, whose largest is an activation's."""
-        return EDM_SHIFT + self.spare
+    def first_scale(self) -> int:
+        """What 1 is in the first layer's input, of which the largest is an activation's."""
+        return METRE >> EDM_SHIFT + self.spare
 
 
 def dense_forward(layers: Sequence[Any], edms: np.ndarray, activate: Activate) -> list[np.ndarray]:
@@ -95,9 +104,8 @@ def quantise(
         raise ExportError("calibration: a hidden layer is always zero, or not finite")
     if not all(np.isfinite(values).all() for values in mean):
         raise ExportError("calibration: a mean is not finite")
-    edm_scale = METRE >> plan.edm_shift
     hidden = [plan.activation / (HEADROOM * x) for x in largest]
-    scales = [edm_scale, *hidden, METRE / plan.sums]
+    scales = [plan.first_scale, *hidden, METRE / plan.sums]
     dense = []
     for k, (weight, bias) in enumerate(equalised(layers)):
         inner = k < len(layers) - 1
@@ -203,8 +211,7 @@ def prove(dense: Dense, number: int, reach: np.ndarray, word: int = WORD) -> Non
 
 def run(network: Sequence[Dense], edm: np.ndarray, plan: Plan = DENSE) -> np.ndarray:
     """Distances [F,91] that the C library computes from EDMs [F,91]: both whole numbers, Q24."""
-    half = 1 << plan.edm_shift >> 1
-    x = np.minimum((edm.astype(np.int64) + half) >> plan.edm_shift, plan.activation)
+    x = plan.first_whole(edm)
 
     def activate(k: int, sums: np.ndarray) -> np.ndarray:
         dense = network[k]  # sums are exact in double
@@ -240,7 +247,7 @@ def activations(layers: Sequence[Layer], edms: np.ndarray, plan: Plan = DENSE) -
     def activate(k: int, sums: np.ndarray) -> np.ndarray:
         return np.maximum(sums, 0) / (1 if k < len(layers) - 1 else plan.sums)
 
-    return plan.forward(layers, edms, activate)
+    return plan.forward(layers, plan.first(edms), activate)
 
 
 def calibrate(layers: Sequence[Layer], edms: np.ndarray, plan: Plan = DENSE) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from quantise import Activate, Plan
+from quantise import Activate, Plan, edm_value
 from skeleton import PAIR_TWINS, SELF_TWINS
 from weights import TWINS, ExportError, Layer, check_layers
 
@@ -81,4 +81,19 @@ def ranges(k: int, layer: Any) -> tuple[np.ndarray, np.ndarray]:
     return np.where(odd, -1, 0), np.where(odd, 1, 2)
 
 
-PLAN = Plan(forward, largest=largest, ranges=ranges, spare=1)
+SOFT = 2458  # twin.SOFT in Q12
+
+
+def soften(edms: np.ndarray) -> np.ndarray:
+    """What the first layer reads of EDMs [F,91]."""
+    return edms**2 / (edms + SOFT / 4096)
+
+
+def soften_whole(edms: np.ndarray) -> np.ndarray:
+    """The same of EDMs in Q24, in Q11: first_input() of lib/twin_int.h."""
+    distance = edm_value(edms)  # Q12
+    sums = distance + SOFT
+    return (distance**2 + sums) // (2 * sums)
+
+
+PLAN = Plan(forward, soften, soften_whole, largest=largest, ranges=ranges, spare=1)
