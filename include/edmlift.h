@@ -156,7 +156,8 @@ typedef struct {
 
 #define EDML_NO_KEYPOINT 255
 
-extern const edml_format edml_coco17; /* MoveNet, YOLO-pose, PoseNet, ViTPose, RTMPose body */
+extern const edml_format edml_coco17; /* YOLO-pose, PoseNet, ViTPose, RTMPose body; MoveNet, whose y comes
+                                         before x, in shares of its square input */
 extern const edml_format edml_body25, edml_body25b, edml_coco18, edml_mpi15; /* OpenPose */
 extern const edml_format edml_cpm14, edml_mpii16, edml_lsp14, edml_crowdpose14, edml_aic14;
 extern const edml_format edml_halpe26;     /* RTMPose body26 */
