@@ -2,12 +2,13 @@
  *
  * F. Moreno-Noguer, "3D Human Pose Estimation from a Single Image via Distance Matrix
  * Regression", CVPR 2017, as a library for microcontrollers: no heap, no globals, no dependency
- * but sqrtf().  "Section" and "eq." below refer to that paper.
+ * but sqrtf(), memcpy() and memset().  C99, C++11.  "Section" and "eq." below refer to that paper.
  *
  * Conventions.  Outputs come first, work memory last.  Input and output may not overlap.  Calls
  * are re-entrant.  Images: pixels, x right, y down.  Poses: metres, the camera's axes (x right,
  * y down, z away from the camera), origin midway between the hips.  Left and right are the
- * subject's.  A function that can fail returns a status and then leaves its outputs untouched.
+ * subject's.  A function that can fail returns a status and then leaves its outputs untouched; a
+ * null pointer is EDML_ERR_ARGUMENT to it, and not allowed in others.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -53,6 +54,8 @@ typedef struct {
     uint8_t from, to; /* enum edml_joint; `from` is nearer to the neck */
 } edml_bone;
 
+/* In the order of the joints that they lead to: neck to head top; to right shoulder, elbow, wrist; to left
+ * ones; neck to right hip, knee, ankle; to left ones. */
 extern const edml_bone edml_bones[EDML_BONES];
 extern const uint8_t edml_mirror_joint[EDML_JOINTS]; /* left for right and right for left */
 const char *edml_joint_name(int joint); /* "right_shoulder"; "?" when out of range */
@@ -84,13 +87,15 @@ typedef struct {
     X(EDML_ERR_ARGUMENT, -1, "argument")             /* a null pointer */                         \
     X(EDML_ERR_NOT_FINITE, -2, "not_finite")         /* NaN or infinity in a joint, or in any c */ \
     X(EDML_ERR_TOO_FEW_JOINTS, -3, "too_few_joints") /* fewer seen than the model was trained for */ \
-    X(EDML_ERR_DEGENERATE, -4, "degenerate")         /* on a point or line, or of no height */    \
+    X(EDML_ERR_DEGENERATE, -4, "degenerate")         /* on a point or line, of no height, or so unlike \
+                                                        a person that no pose looks like it */     \
     X(EDML_ERR_UNUSUAL, -5, "unusual")               /* wider for its height than the model takes */ \
     X(EDML_ERR_MODEL, -6, "model")                   /* the model's data do not match its checksum, or are floats \
                                                         where whole numbers are wanted, or it is another \
                                                         lift's */                             \
     X(EDML_ERR_CAMERA, -7, "camera")                 /* not a camera, or one that cannot have seen that */ \
-    X(EDML_ERR_TIME, -8, "time")                     /* a frame that is not later than the last one */ \
+    X(EDML_ERR_TIME, -8, "time")                     /* a frame that is not later than the last one, or by \
+                                                        over 24 days */                            \
     X(EDML_ERR_PERSON, -9, "person")                 /* no one's height and bones, or not one person's */
 
 #define EDML_STATUS_ENUM(name, value, text) name = value,
@@ -103,8 +108,8 @@ const char *edml_status_name(edml_status status); /* "too_few_joints"; "?" when 
 typedef struct edml_model edml_model;
 
 /* FConn, 91-192-192-91 with left and right alike, which takes 36,817 weights: in float32, and quantised,
- * all in whole numbers, with weights of up to 16 and of 8 bits.  On a processor that multiplies whole
- * numbers faster, or not floats, take these. */
+ * all in whole numbers, with weights of up to 16 and of 8 bits.  That of 16 is as fast as float even where
+ * there is an FPU, in half the flash, and much faster without; that of 8 halves the flash again. */
 extern const edml_model edml_fconn_f32, edml_fconn_q15, edml_fconn_q7;
 
 const char *edml_model_name(const edml_model *model);
@@ -115,15 +120,16 @@ edml_status edml_model_check(const edml_model *model);
 typedef struct edml_work edml_work;
 
 /* Lifts one person.
- *   in     14 keypoints.  Coordinates may be of any size and offset; only the shape counts.
+ *   in     14 keypoints.  Coordinates may be of any size, and of any offset that leaves the person
+ *          some thousand steps of float's rounding; only the shape counts.
  *   model  &edml_fconn_f32, or a quantised one
- * Time depends on the input by the numbers of joints that are missing and of Jacobi rotations alone,
- * which are bounded. */
+ * Time depends on the input by the numbers of joints that are missing, of inputs of the network's layers
+ * that are not zero, and of Jacobi rotations, all of which are bounded. */
 edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
                       const edml_model *model, edml_work *work);
 
 /* The paper's other network, convolutional, 605,825 weights: 2.4 MB in float32, 0.6 MB in whole numbers
- * of 8 bits, and some 200 times the work.  docs/fconv.md has when it is worth it. */
+ * of 8 bits, and some 160 times the instructions.  docs/fconv.md has when it is worth it. */
 extern const edml_model edml_fconv_f32, edml_fconv_q7;
 
 typedef struct edml_fconv_work edml_fconv_work; /* 22 KB */
@@ -150,7 +156,8 @@ typedef struct {
 
 #define EDML_NO_KEYPOINT 255
 
-extern const edml_format edml_coco17; /* MoveNet, YOLO-pose, PoseNet, ViTPose, RTMPose body */
+extern const edml_format edml_coco17; /* YOLO-pose, PoseNet, ViTPose, RTMPose body; MoveNet, whose y comes
+                                         before x, in shares of its square input */
 extern const edml_format edml_body25, edml_body25b, edml_coco18, edml_mpi15; /* OpenPose */
 extern const edml_format edml_cpm14, edml_mpii16, edml_lsp14, edml_crowdpose14, edml_aic14;
 extern const edml_format edml_halpe26;     /* RTMPose body26 */
@@ -195,7 +202,7 @@ typedef struct {
  *           below a thousandth of all confidence
  *   work    may be that of the lift
  * What the size of the person is off by, the distance is off by, too: one image shows no more.  Takes
- * up to 1.6 kB of stack.  Of points all in a plane, 1 pose in 500 is turned the wrong one of two ways.
+ * up to 1.7 kB of stack.  Of points all in a plane, 1 pose in some 7,000 is turned the wrong one of two ways.
  * Besides EDML_ERR_ARGUMENT and EDML_ERR_NOT_FINITE (also of a joint beyond 4 m):
  *   EDML_ERR_TOO_FEW_JOINTS  fewer than 7 joints seen
  *   EDML_ERR_DEGENERATE      joints or image on a line, or under 1/64 m or 0.11 degrees (RMS)
@@ -211,7 +218,7 @@ edml_status edml_place(edml_placement *placement, const edml_pose *pose,
  * paper).  People some metres away look nearly the same through all of them: distance and focal
  * length are found together, badly, and only their ratio well.  Calibrate where distance matters.
  *   camera         the one that was chosen
- *   width, height  of the image, pixels */
+ *   width, height  of the image, pixels, > 0; else EDML_ERR_CAMERA */
 edml_status edml_place_sweep(edml_placement *placement, edml_camera *camera, const edml_pose *pose,
                              const edml_keypoint in[EDML_JOINTS], float width, float height,
                              edml_work *work);
@@ -222,7 +229,7 @@ edml_status edml_place_sweep(edml_placement *placement, edml_camera *camera, con
  * a joint is low-passed at `cutoff` + `slope` * its speed.  HUGE_VALF as cutoff: not at all. */
 typedef struct {
     float cutoff; /* Hz, > 0; lower is steadier */
-    float slope;  /* Hz per unit of speed, >= 0; higher lags less in motion */
+    float slope;  /* Hz per unit of speed, >= 0 and finite; higher lags less in motion */
 } edml_smoothing;
 
 typedef struct {
@@ -268,13 +275,19 @@ void edml_track_start(edml_track *track);
  * one that lasts for about 0.4 s is believed.  So is a mirror image that persists.  Joints that are
  * missing stay where they were, moved along with the others, for 300 ms.  Frames may be dropped; after
  * a second without one lifted, the next starts anew.  Besides edml_lift()'s:
+ *   EDML_ERR_ARGUMENT        also: a track that was not started, or settings out of range
  *   EDML_ERR_TIME            not later than the last frame: one that was overtaken, or a clock that was
- *                            set back; then edml_track_start()
+ *                            set back, or one that ran for over 24 days since; then edml_track_start()
  *   EDML_ERR_TOO_FEW_JOINTS  also: fewer than 7 seen, however many are held
  * With a status other than EDML_OK the track, too, is untouched.  About 1.2 KB of stack more. */
 edml_status edml_track_lift(edml_pose *pose, edml_track *track,
                             const edml_keypoint in[EDML_JOINTS], uint32_t time_ms,
                             const edml_model *model, edml_work *work);
+
+/* Exchanges right and left keypoints, in place, where edml_track_lift() took them for exchanged in the
+ * last frame: what edml_place() is to be given with its pose.
+ *   in  that frame's */
+void edml_track_sort(edml_keypoint in[EDML_JOINTS], const edml_track *track);
 
 /* ---- What is known of the person ----------------------------------------------------------- */
 
@@ -313,7 +326,8 @@ edml_status edml_uncertainty(uint8_t millimetres[EDML_JOINTS], uint16_t seen);
 int edml_limits(const edml_pose *pose);
 
 /* Turns a pose, in place, into the one of its two mirror images with fewer such bones; with as many, as
- * it is.  Returns how many fewer: 0 is no opinion.  A pose that is turned gets a mirror_margin of 0, as
+ * it is.  Returns how many fewer the pose now has than its mirror image, whether or not it was turned: 0
+ * is no opinion.  A pose that is turned gets a mirror_margin of 0, as
  * the lift's own rule disagrees.  Takes 0.6 KB of stack. */
 int edml_mirror_by_limits(edml_pose *pose);
 
@@ -323,7 +337,8 @@ int edml_mirror_by_limits(edml_pose *pose);
  *        by the smallest rotation
  *   up   where upwards is, in the camera's axes, of any length: an accelerometer at rest, with its axes
  *        turned to the camera's, or {0, -1, 0} if the camera is assumed level
- * EDML_ERR_DEGENERATE of a zero vector.  Someone who jumps, lies or sits is put on the lower ankle all
+ * EDML_ERR_DEGENERATE of a zero vector, EDML_ERR_NOT_FINITE of one that is not finite and of a joint that
+ * is not within 4 m.  Someone who jumps, lies or sits is put on the lower ankle all
  * the same. */
 edml_status edml_floor(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_point up);
 
@@ -333,7 +348,7 @@ edml_status edml_floor(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_
  * FPU.  A Q16 number is an int32_t with 16 fraction bits, 65536 is 1; a Q24 one has 24. */
 typedef struct {
     int32_t x, y; /* pixels, Q16, y down; -2^29 < x, y < 2^29 (8192 pixels) */
-    int16_t c;    /* confidence, Q15; a joint with c <= 0 was not seen */
+    int16_t c;    /* confidence, 32767 is 1; a joint with c <= 0 was not seen */
 } edml_keypoint_q16;
 
 typedef struct {
@@ -360,7 +375,7 @@ typedef struct edml_work_q24 edml_work_q24;
 edml_status edml_lift_q24(edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS],
                           const edml_model *model, edml_work_q24 *work);
 
-typedef struct edml_fconv_work_q24 edml_fconv_work_q24; /* 14 KB */
+typedef struct edml_fconv_work_q24 edml_fconv_work_q24; /* 13.5 KB */
 
 /* edml_lift_fconv() on whole numbers.  model  &edml_fconv_q7 */
 edml_status edml_lift_fconv_q24(edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS],
@@ -408,7 +423,8 @@ typedef struct {
 
 /* Where a joint is expected in the image, given all the others: at their mean, weighted by its row, in
  * units of 1 / EDML_COMPLETION_ONE, which is what a row adds up to.  The usual one is of the people
- * that the shipped networks were trained on (tools/fit_completion.py). */
+ * that the shipped networks were trained on.  Weights must come of a covariance, as those of
+ * tools/fit_completion.py do; the absolute values in a row may add up to 3.4. */
 #define EDML_COMPLETION_ONE 4096
 typedef struct {
     int16_t weight[EDML_JOINTS][EDML_JOINTS]; /* a joint's own is 0 */
@@ -421,7 +437,8 @@ extern const edml_completion edml_usual_completion;
  *   fewest      joints that must be seen, else EDML_ERR_TOO_FEW_JOINTS
  *   widest      ratio of the box's width to its height that may not be passed, else EDML_ERR_UNUSUAL
  *   completion  where joints are that were not seen, at most 9; NULL: pairs with one are zero
- * Also returns EDML_ERR_NOT_FINITE and EDML_ERR_DEGENERATE. */
+ * Also returns EDML_ERR_NOT_FINITE and EDML_ERR_DEGENERATE; that of a completion that does not say where
+ * the missing joints are leaves nothing of use in edm. */
 edml_status edml_edm_f32(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest,
                          float widest, const edml_completion *completion);
 
@@ -448,7 +465,7 @@ typedef struct {
 } edml_eigen_f32;
 
 /* All eigenpairs by cyclic Jacobi, to rounding; only the upper triangle of `a` is read.  The
- * largest |entry| must be within 2^-60 to 2^56, or zero. */
+ * largest |entry| must be within 2^-50 to 2^56, or zero. */
 void edml_jacobi_f32(edml_eigen_f32 *eigen, const edml_matrix_f32 *a);
 
 /* Classical multidimensional scaling: the points whose distances are nearest, in the sense of
@@ -481,13 +498,15 @@ float edml_stress_f32(const edml_point x[EDML_JOINTS], const float distance[EDML
 float edml_mirror_f32(edml_point x[EDML_JOINTS], const edml_model *model);
 
 /* Turns the points to the camera: the rotation whose scaled-orthographic image fits the seen
- * joints best, moved so that mid-hip is the origin.
+ * joints best, moved so that mid-hip is the origin.  EDML_ERR_DEGENERATE if no rotation is better
+ * than others: points or image are on a line, or have nothing to do with each other.
  *   seen  bit j: joint j of `in` counts; at least 4 */
-void edml_orient_f32(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS],
-                     uint16_t seen);
+edml_status edml_orient_f32(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS],
+                            uint16_t seen);
 
 /* Moves the seen joints of a pose of edml_orient_f32() toward where the image has them, the less the
- * more the two disagree; mid-hip stays the origin. */
+ * more the two disagree; mid-hip stays the origin.
+ *   seen  bit j: joint j of `in` counts */
 void edml_blend_f32(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
                     const edml_model *model);
 
@@ -530,8 +549,8 @@ int edml_refine_q24(edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_P
 int32_t edml_stress_q24(const edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_PAIRS],
                         edml_objective objective);
 int32_t edml_mirror_q24(edml_point_q24 x[EDML_JOINTS], const edml_model *model);
-void edml_orient_q24(edml_point_q24 x[EDML_JOINTS], const edml_keypoint_q16 in[EDML_JOINTS],
-                     uint16_t seen);
+edml_status edml_orient_q24(edml_point_q24 x[EDML_JOINTS],
+                            const edml_keypoint_q16 in[EDML_JOINTS], uint16_t seen);
 void edml_blend_q24(edml_point_q24 x[EDML_JOINTS], const edml_keypoint_q16 in[EDML_JOINTS],
                     uint16_t seen, const edml_model *model);
 

@@ -71,8 +71,12 @@ typedef float reported;
 #define RESULT(a) (a)
 #define GIVEN(a) (a)
 
+/* The compiler may then take it for granted that there is no NaN, and lift one to a pose. */
+#if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
+#error "edmlift refuses NaN and infinity: compile it without -ffast-math and -ffinite-math-only"
+#endif
 #define FINITE(a) ((a) - (a) == 0.0F) /* false for NaN and infinity */
-#define EXACT_TO 0.0F
+#define EXACT_TO 0x1p-125F            /* below, floats lose bits */
 #define RUNS(model) (!IS_FCONV(model))
 #define RUNS_FCONV(model) IS_FCONV(model)
 

@@ -9,6 +9,8 @@
 #ifndef EDML_REAL_Q24_H
 #define EDML_REAL_Q24_H
 
+#include <float.h>
+
 #include "fixed.h"
 #include "model.h"
 
@@ -52,6 +54,9 @@ typedef int32_t reported; /* Q16 */
 #define RUNS(model) ((model)->predict_q24 != NULL)
 #define RUNS_FCONV(model) \
     (IS_FCONV(model) && ((const edml_fconv *)(model)->layers)->predict_q24 != NULL)
+
+/* Constants are rounded to Q24 by the compiler: everywhere alike. */
+typedef char doubles_hold_24_fraction_bits[DBL_MANT_DIG >= 53 ? 1 : -1];
 
 /* Shifting a negative number to the right must round down, as it does everywhere; C leaves it open. */
 typedef char shifts_are_arithmetic[(-3 >> 1) == -2 ? 1 : -1];

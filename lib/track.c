@@ -6,6 +6,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include <float.h>
 #include <string.h>
 
 #include "real_f32.h"
@@ -160,6 +161,15 @@ static void exchange_past(edml_track *track, int right)
     }
 }
 
+static void exchange(edml_keypoint in[], int right)
+{
+    for (int r = right; r < right + 3; r++) {
+        const edml_keypoint other = in[r];
+        in[r] = in[edml_mirror_joint[r]];
+        in[edml_mirror_joint[r]] = other;
+    }
+}
+
 /* Undoes an exchange of three joints with their twins; returns whether there was one. */
 static int sort_sides(edml_track *track, edml_keypoint in[], int right, float *belief, float size)
 {
@@ -170,11 +180,7 @@ static int sort_sides(edml_track *track, edml_keypoint in[], int right, float *b
         continuity = -continuity;
     }
     if (!(continuity < 0)) return 0;
-    for (int r = right; r < right + 3; r++) {
-        const edml_keypoint other = in[r];
-        in[r] = in[edml_mirror_joint[r]];
-        in[edml_mirror_joint[r]] = other;
-    }
+    exchange(in, right);
     return 1;
 }
 
@@ -325,10 +331,20 @@ static void move_on(edml_track *track, uint32_t time_ms)
     for (int j = 0; j < EDML_JOINTS; j++) track->joint[j].age = HOLD + 1;
 }
 
+static int is_usable(edml_smoothing by) { return by.cutoff > 0 && by.slope >= 0 && by.slope <= FLT_MAX; }
+
+void edml_track_sort(edml_keypoint in[EDML_JOINTS], const edml_track *track)
+{
+    if (track->exchanged & EDML_EXCHANGED_ARMS) exchange(in, EDML_R_SHOULDER);
+    if (track->exchanged & EDML_EXCHANGED_LEGS) exchange(in, EDML_R_HIP);
+}
+
 edml_status edml_track_lift(edml_pose *out, edml_track *track, const edml_keypoint in[EDML_JOINTS],
                             uint32_t time_ms, const edml_model *model, edml_work *work)
 {
     if (out == NULL || track == NULL || in == NULL || model == NULL || work == NULL)
+        return EDML_ERR_ARGUMENT;
+    if (!is_usable(track->smooth_image) || !is_usable(track->smooth_space) || !(track->noise >= 0))
         return EDML_ERR_ARGUMENT;
     const uint32_t later = time_ms - track->time; /* also across the end of the clock's range */
     if (track->started && (later == 0 || later > UINT32_MAX / 2)) return EDML_ERR_TIME;
@@ -345,7 +361,7 @@ edml_status edml_track_lift(edml_pose *out, edml_track *track, const edml_keypoi
     steady_image(&next, joints, size);
     const edml_status status = edml_lift(out, joints, model, work);
     if (status != EDML_OK) return status;
-    out->seen = seen;
+    out->seen = (uint16_t)(out->seen & ~next.held);
     steady_pose(&next, out);
     *track = next;
     return EDML_OK;

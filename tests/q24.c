@@ -133,12 +133,13 @@ float q24_mirror(edml_point x[EDML_JOINTS], const edml_model *model)
     return to_float(margin);
 }
 
-void q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen)
+edml_status q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen)
 {
     to_q16(keypoints, in);
     all_q24(&points->x, &x->x, 3 * EDML_JOINTS);
-    edml_orient_q24(points, keypoints, seen);
-    all_floats(&x->x, &points->x, 3 * EDML_JOINTS);
+    const edml_status status = edml_orient_q24(points, keypoints, seen);
+    if (status == EDML_OK) all_floats(&x->x, &points->x, 3 * EDML_JOINTS);
+    return status;
 }
 
 void q24_blend(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,

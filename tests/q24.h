@@ -26,7 +26,7 @@ int q24_refine(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
 float q24_stress(const edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
                  edml_objective objective);
 float q24_mirror(edml_point x[EDML_JOINTS], const edml_model *model);
-void q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen);
+edml_status q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen);
 void q24_blend(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
                const edml_model *model);
 edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,

@@ -241,6 +241,20 @@ static void equal_points_stay_at_the_origin(void)
         TEST_ASSERT_TRUE(x[j].x == 0 && x[j].y == 0 && x[j].z == 0);
 }
 
+static void no_joints_leave_the_pose_and_bits_beyond_them_do_not_count(void)
+{
+    rng r = rng_seed(71);
+    set_model(1, 0.01, 0.3);
+    someone(&r, 0.05F);
+    memcpy(x, person, sizeof x);
+    edml_blend_f32(x, in, 0, &model);
+    TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_joint_error(x, person));
+    memcpy(y, x, sizeof y);
+    edml_blend_f32(x, in, ALL_SEEN, &model);
+    edml_blend_f32(y, in, 0xFFFF, &model);
+    TEST_ASSERT_EQUAL_MEMORY(x, y, sizeof x);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -254,5 +268,6 @@ int main(void)
     RUN_TEST(a_mirrored_image_mirrors_the_pose);
     RUN_TEST(images_of_no_size_or_upside_down_leave_the_pose);
     RUN_TEST(equal_points_stay_at_the_origin);
+    RUN_TEST(no_joints_leave_the_pose_and_bits_beyond_them_do_not_count);
     return UNITY_END();
 }

@@ -308,16 +308,17 @@ static void the_sweep_finds_a_focal_length_of_its_own(void)
 
 static void the_sweep_needs_an_image(void)
 {
-    static const float sizes[][2] = {{640, 0}, {640, -480}, {640, NAN}, {INFINITY, 480}, {640, INFINITY}};
+    static const float sizes[][2] = {{640, 0},        {640, -480},     {0, 480},       {-640, 480},
+                                     {640, NAN},      {NAN, 480},      {INFINITY, 480}, {640, INFINITY}};
     rng r = rng_seed(80);
     edml_camera found;
     someone_somewhere(&r, 3, 6);
-    for (int n = 0; n < 5; n++)
+    for (int n = 0; n < 8; n++)
         TEST_ASSERT_EQUAL_INT(EDML_ERR_CAMERA,
                               edml_place_sweep(&placement, &found, &pose, in, sizes[n][0], sizes[n][1], &work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place_sweep(NULL, &found, &pose, in, 640, 480, &work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place_sweep(&placement, NULL, &pose, in, 640, 480, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place_sweep(&placement, &found, NULL, in, 640, 480, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place_sweep(&placement, &found, NULL, in, 640, NAN, &work));
 }
 
 /* ---- What gets no place ------------------------------------------------------------------------ */

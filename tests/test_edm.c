@@ -464,6 +464,23 @@ static void output_stays_untouched_when_refused(void)
     map(40, 0, 1, 0);
     check(EDML_ERR_UNUSUAL);
     TEST_ASSERT_SAME_BYTES(again, edm);
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_edm_f32(NULL, in, FEWEST, WIDEST, NULL));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_edm_f32(edm, NULL, FEWEST, WIDEST, NULL));
+    TEST_ASSERT_SAME_BYTES(again, edm);
+}
+
+/* Two joints that are each expected where the other one is. */
+static void a_completion_that_goes_round_in_a_circle_is_refused(void)
+{
+    edml_completion circle = edml_usual_completion;
+    memset(circle.weight[EDML_R_ELBOW], 0, sizeof circle.weight[0]);
+    memset(circle.weight[EDML_R_WRIST], 0, sizeof circle.weight[0]);
+    circle.weight[EDML_R_ELBOW][EDML_R_WRIST] = EDML_COMPLETION_ONE;
+    circle.weight[EDML_R_WRIST][EDML_R_ELBOW] = EDML_COMPLETION_ONE;
+    someone();
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_f32(edm, in, FEWEST, WIDEST, &circle));
+    in[EDML_R_ELBOW].c = in[EDML_R_WRIST].c = 0;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_edm_f32(edm, in, FEWEST, WIDEST, &circle));
 }
 
 int main(void)
@@ -497,5 +514,6 @@ int main(void)
     RUN_TEST(coordinates_whose_differences_overflow_are_measured);
     RUN_TEST(extreme_coordinates_give_finite_values_or_a_refusal);
     RUN_TEST(output_stays_untouched_when_refused);
+    RUN_TEST(a_completion_that_goes_round_in_a_circle_is_refused);
     return UNITY_END();
 }

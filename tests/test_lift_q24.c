@@ -285,6 +285,20 @@ static void people_of_less_than_an_eighth_of_a_pixel_are_refused(void)
     check_refused(EDML_ERR_DEGENERATE);
 }
 
+/* Two joints that are each expected where the other one is: nothing is divided by zero. */
+static void a_completion_that_goes_round_in_a_circle_is_refused(void)
+{
+    int32_t edm[EDML_PAIRS];
+    edml_completion circle = edml_usual_completion;
+    memset(circle.weight[EDML_R_ELBOW], 0, sizeof circle.weight[0]);
+    memset(circle.weight[EDML_R_WRIST], 0, sizeof circle.weight[0]);
+    circle.weight[EDML_R_ELBOW][EDML_R_WRIST] = EDML_COMPLETION_ONE;
+    circle.weight[EDML_R_WRIST][EDML_R_ELBOW] = EDML_COMPLETION_ONE;
+    someone(16);
+    in[EDML_R_ELBOW].c = in[EDML_R_WRIST].c = 0;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_edm_q24(edm, in, 10, 3 << 24, &circle));
+}
+
 static void images_without_a_shape_are_refused(void)
 {
     someone(15);
@@ -328,6 +342,7 @@ int main(void)
     RUN_TEST(boxes_at_the_ends_have_a_status);
     RUN_TEST(people_of_less_than_an_eighth_of_a_pixel_are_refused);
     RUN_TEST(images_without_a_shape_are_refused);
+    RUN_TEST(a_completion_that_goes_round_in_a_circle_is_refused);
     RUN_TEST(too_few_joints_are_refused);
     RUN_TEST(a_person_far_wider_than_high_is_refused);
     return UNITY_END();

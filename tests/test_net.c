@@ -483,6 +483,7 @@ static void the_models_are_sound(void)
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_f32));
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_q15));
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_q7));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_model_check(NULL));
 }
 
 static void a_wrong_checksum_is_noticed(void)

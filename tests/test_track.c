@@ -265,24 +265,31 @@ static void without_filters_frames_are_as_lifted(void)
 /* ---- Right and left ----------------------------------------------------------------------------- */
 
 /* With some limbs exchanged in three frames, the poses are those of a video without. */
-static void check_exchange(int kind)
+static void check_exchange(int kind, int missing)
 {
     start();
     for (int n = 0; n < 40; n++) {
         const int wrong = n >= 20 && n < 23;
         see_turned(n / 2);
+        if (missing && n >= 15) in[EDML_L_WRIST].c = in[EDML_R_KNEE].c = 0;
+        memcpy(whole, in, sizeof whole);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run_other((uint32_t)n * FRAME));
         if (wrong && (kind & EDML_EXCHANGED_ARMS)) exchange(EDML_R_SHOULDER);
         if (wrong && (kind & EDML_EXCHANGED_LEGS)) exchange(EDML_R_HIP);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
         TEST_ASSERT_EQUAL_UINT8(wrong ? kind : 0, track.exchanged);
-        TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
+        TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose); /* and what was seen */
+        edml_track_sort(in, &track);
+        TEST_ASSERT_EQUAL_MEMORY(whole, in, sizeof in);
     }
 }
 
 static void exchanges_are_undone(void)
 {
-    for (int kind = 1; kind <= 3; kind++) check_exchange(kind);
+    for (int kind = 1; kind <= 3; kind++) {
+        check_exchange(kind, 0);
+        check_exchange(kind, 1);
+    }
 }
 
 static void a_turn_is_not_undone(void)
@@ -512,6 +519,29 @@ static void null_pointers(void)
     TEST_ASSERT_EQUAL_INT(0, track.started);
 }
 
+static void a_track_that_was_not_started_and_bad_settings_are_refused(void)
+{
+    static const edml_smoothing bad[] = {{0, 1}, {-1, 1}, {NAN, 1}, {1, -1}, {1, NAN}, {1, INFINITY}};
+    see_turned(0);
+    memset(&track, 0, sizeof track);
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
+    memset(&track, 0xFF, sizeof track);
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
+    for (int n = 0; n < 6; n++) {
+        start();
+        track.smooth_image = bad[n];
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
+        start();
+        track.smooth_space = bad[n];
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
+    }
+    start();
+    track.noise = -1;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
+    start();
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(0));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -536,5 +566,6 @@ int main(void)
     RUN_TEST(bad_frames_leave_no_trace);
     RUN_TEST(an_absurd_frame_is_got_over);
     RUN_TEST(null_pointers);
+    RUN_TEST(a_track_that_was_not_started_and_bad_settings_are_refused);
     return UNITY_END();
 }

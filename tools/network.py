@@ -1,6 +1,6 @@
 """The differentiable half of the pipeline, in JAX: keypoints -> EDM, and EDM -> pose.
 
-The networks between them are fconn.py and fconv.py.
+The networks between them are twin.py, fconn.py and fconv.py.
 
 Only training uses it; figures and poses that a table reports come from the C library.
 """

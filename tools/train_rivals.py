@@ -1,6 +1,6 @@
 """Trains the rivals that go from 2D joints straight to 3D joints, and measures them.
 
-    train_rivals.py TRAIN TEST [--rivals mlp40k mlp25k martinez] [--epochs N] [--out build/rivals]
+    train_rivals.py TRAIN TEST [--rivals NAMES] [--epochs N] [--out build/rivals]
     train_rivals.py TRAIN TEST --trials --update docs/accuracy.md
 
 Bodies, cameras, noise, missing joints and the balance of subjects are those of tools/train.py; one

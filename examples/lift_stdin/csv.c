@@ -14,7 +14,7 @@ static const char *skip_blanks(const char *p)
     return p;
 }
 
-/* Reads numbers separated by commas or blanks; returns their count or -1 where the text is neither.
+/* Reads numbers separated by commas or blanks; returns their count or, where field n is none, -n.
  * At most `room` are kept, but all are counted. */
 static int read_numbers(float *numbers, int room, const char *p)
 {
@@ -23,13 +23,13 @@ static int read_numbers(float *numbers, int room, const char *p)
     while (*p != '\0') {
         char *end;
         const float value = strtof(p, &end);
-        if (end == p || strchr(" \t\r,", *end) == NULL) return -1;
+        if (end == p || strchr(" \t\r,", *end) == NULL) return -1 - count;
         if (count < room) numbers[count] = value;
         count++;
         p = skip_blanks(end);
         if (*p != ',') continue;
         p = skip_blanks(p + 1);
-        if (*p == '\0') return -1; /* nothing after the comma */
+        if (*p == '\0') return -1 - count; /* nothing after the comma */
     }
     return count;
 }
@@ -41,7 +41,10 @@ static const char *read_csv(edml_keypoint in[], double *time, const char *line, 
     float numbers[3 * KEYPOINTS_MAX];
     const int keypoints = keypoints_of(set);
     const int count = read_numbers(numbers, 3 * keypoints, line);
-    if (count < 0) return "not numbers separated by commas or blanks";
+    if (count < 0) {
+        snprintf(wrong, sizeof wrong, "field %d is not a number (commas or blanks separate them)", -count);
+        return wrong;
+    }
     if (count != 2 * keypoints && count != 3 * keypoints) {
         snprintf(wrong, sizeof wrong, "%d numbers, but %s has %d or %d", count, name_of(set),
                  2 * keypoints, 3 * keypoints);

@@ -3,6 +3,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include <math.h>
+
 #include "lift_stdin.h"
 
 /* Saturates, as hardware does: NaN and infinity become what edml_lift_q24() calls not finite. */
@@ -19,7 +21,7 @@ static edml_keypoint_q16 to_q16(edml_keypoint in)
     out.x = saturate(65536.0 * (double)in.x, INT32_MIN, INT32_MAX);
     out.y = saturate(65536.0 * (double)in.y, INT32_MIN, INT32_MAX);
     out.c = in.c > 0 ? (int16_t)saturate(32767.0 * (double)in.c, 1, INT16_MAX) : 0;
-    if (!(in.c <= 0 || in.c > 0)) { /* NaN: nothing in this joint is known */
+    if (!isfinite(in.c)) { /* nothing in this joint is known */
         out.x = INT32_MIN;
         out.c = 1;
     }

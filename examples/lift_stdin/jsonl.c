@@ -18,28 +18,36 @@ static int is_named(const char *p, const char *name)
     return strncmp(p + 1, name, length) == 0 && p[1 + length] == '"';
 }
 
-/* Is a member one that the answer has, too? */
-static int is_of_answer(const char *member, const options *set)
+/* A member of the object that the answer has, too; or NULL. */
+static const char *name_of_answer(const char *object, const options *set)
 {
-    static const char *const always[] = {"status", "joints", "mirror_margin", "residual"};
-    static const char *const placed[] = {"placement", "root", "reprojection", "focal"};
-    for (int n = 0; n < 4; n++)
-        if (is_named(member, always[n]) || (places(set) && is_named(member, placed[n]))) return 1;
-    return set->quality && is_named(member, "quality");
+    static const char *const names[] = {"status", "joints", "mirror_margin", "residual", "quality",
+                                        "placement", "root", "reprojection", "focal"};
+    enum { ALWAYS = 4, QUALITY = 4, NAMES = 9 };
+    for (const char *p = json_first(object); p != NULL; p = json_next(json_value_of(p)))
+        for (int n = 0; n < NAMES; n++)
+            if (is_named(p, names[n]) && (n < ALWAYS || (n == QUALITY ? set->quality : places(set))))
+                return names[n];
+    return NULL;
 }
 
-/* The array of keypoints of the object; NULL with what is wrong. */
-static const char *find_keypoints(const char *object, const char **wrong, const options *set)
+static int is_object(const char *line)
+{
+    const char *end = json_value(line, JSON_DEPTH);
+    return *line == '{' && end != NULL && *json_skip(end) == '\0';
+}
+
+/* The array of keypoints of the object, or null; NULL with what is wrong. */
+static const char *find_keypoints(const char *object, const char **wrong)
 {
     const char *found = NULL;
     for (const char *p = json_first(object); p != NULL; p = json_next(json_value_of(p))) {
-        if (is_of_answer(p, set)) return *wrong = "has a member of the answer's", NULL;
         if (!is_named(p, "keypoints")) continue;
         if (found != NULL) return *wrong = "has keypoints twice", NULL;
         found = json_value_of(p);
     }
     if (found == NULL) return *wrong = "has no keypoints", NULL;
-    if (*found != '[') return *wrong = "keypoints is not an array", NULL;
+    if (*found != '[' && *found != 'n') return *wrong = "keypoints is not an array", NULL;
     return found;
 }
 
@@ -82,11 +90,18 @@ static const char *read_jsonl(edml_keypoint in[], double *time, const char *line
                               const options *set)
 {
     static char wrong[128];
-    const char *end = json_value(line, JSON_DEPTH), *why = NULL;
-    if (*line != '{' || end == NULL || *json_skip(end) != '\0') return "not a JSON object";
-    const char *keypoints = find_keypoints(line, &why, set);
+    const char *why = NULL;
+    if (!is_object(line)) return "not a JSON object in one line (NaN and Infinity are not JSON)";
+    const char *twice = name_of_answer(line, set);
+    if (twice != NULL) {
+        snprintf(wrong, sizeof wrong, "has a member \"%s\", which the answer adds: rename it", twice);
+        return wrong;
+    }
+    const char *keypoints = find_keypoints(line, &why);
     if (keypoints == NULL) return why;
     if (set->track && set->fps == 0 && (why = read_time(time, line)) != NULL) return why;
+    memset(in, 0, (size_t)keypoints_of(set) * sizeof *in);
+    if (*keypoints == 'n' || json_first(keypoints) == NULL) return NULL; /* nobody */
     int count = 0;
     for (const char *p = json_first(keypoints); p != NULL; p = json_next(p), count++) {
         if (count >= keypoints_of(set)) continue;
@@ -114,12 +129,13 @@ static void write_placement(const answer *out, int lifted)
         fputs(",\"root\":null,\"reprojection\":null,\"focal\":null", stdout);
 }
 
-/* The object that was read, with the answer behind its members. */
+/* The object that was read, with the answer behind its members; of what is none, the answer alone. */
 static void write_jsonl(const char *line, const answer *out, const options *set)
 {
     const int lifted = strcmp(out->status, "ok") == 0;
-    if (line != NULL)
-        printf("%.*s,", (int)(json_value(line, JSON_DEPTH) - 1 - line), line);
+    if (line != NULL && is_object(line) && name_of_answer(line, set) == NULL)
+        printf(json_first(line) != NULL ? "%.*s," : "%.*s",
+               (int)(json_value(line, JSON_DEPTH) - 1 - line), line);
     else
         putchar('{');
     printf("\"status\":\"%s\"", out->status);

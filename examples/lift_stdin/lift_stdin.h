@@ -55,7 +55,8 @@ static inline const char *name_of(const options *set)
 }
 
 /* One kind of line.  `read` fills the keypoints, and the time in seconds where lines have one, and
- * returns NULL, or what is wrong with the line; `write` answers the line, which is NULL if it was bad. */
+ * returns NULL, or what is wrong with the line; `write` answers the line, which is NULL if it was not read
+ * whole. */
 typedef struct {
     int longest; /* bytes of a line */
     const char *(*read)(edml_keypoint in[], double *time, const char *line, const options *set);

@@ -10,6 +10,8 @@
 
 enum { LINE_MAX_BYTES = 65536 };
 
+#define LARGEST_SHARE 10.0F /* of the image, that a keypoint outside of it may have */
+
 typedef enum { LINE_END, LINE_READ, LINE_TOO_LONG } line_result;
 
 static int is_blank(int c) { return c == ' ' || c == '\t' || c == '\r'; }
@@ -80,37 +82,64 @@ static edml_status lift_frame(edml_pose *pose, const edml_keypoint in[EDML_JOINT
     return edml_track_lift(pose, &before->track, in, time, set->model, work);
 }
 
-static edml_status lift(answer *out, edml_keypoint in[], video *before, const options *set)
+/* Keypoints in shares of the image become pixels; NULL or what is wrong with them. */
+static const char *to_pixels(edml_keypoint in[], const options *set)
 {
-    edml_keypoint joints[EDML_JOINTS];
-    edml_work work;
-    const int shares = set->format != NULL && set->format->shares;
-    for (int n = 0; n < keypoints_of(set) && shares; n++) {
+    if (set->format == NULL || !set->format->shares) return NULL;
+    for (int n = 0; n < keypoints_of(set); n++) {
+        if (in[n].c > 0 && (fabsf(in[n].x) > LARGEST_SHARE || fabsf(in[n].y) > LARGEST_SHARE))
+            return "keypoints are to be shares of the image, 0 to 1 within it, not pixels";
         in[n].x *= set->width;
         in[n].y *= set->height;
     }
+    return NULL;
+}
+
+static edml_status lift(answer *out, const edml_keypoint in[], video *before, const options *set)
+{
+    edml_keypoint joints[EDML_JOINTS];
+    edml_work work;
     if (set->fixed) return lift_fixed(out, in, set);
     if (set->format != NULL) edml_adapt(joints, in, set->format);
     const edml_keypoint *seen = set->format != NULL ? joints : in;
     edml_status status = lift_frame(&out->pose, seen, before, set, &work);
     if (status != EDML_OK) return status;
+    if (set->track) { /* what it was lifted from */
+        if (seen != joints) memcpy(joints, seen, sizeof joints);
+        edml_track_sort(joints, &before->track);
+        seen = joints;
+    }
     if (set->quality) out->quality = edml_quality(&out->pose, seen);
     if (set->owner.height > 0) status = edml_fit_person(&out->pose, &set->owner);
     if (status == EDML_OK && places(set)) place(out, seen, set, &work);
     return status;
 }
 
-/* Lifts one line; returns NULL or what is wrong with it.  Counts refused poses. */
-static const char *lift_line(const line_format *lines, const char *line, video *before,
-                             const options *set, unsigned long *refused)
+/* Poses that were refused: how many, and the first one's line and status. */
+typedef struct {
+    unsigned long count, line;
+    const char *status;
+} refusals;
+
+static void note_refusal(refusals *refused, unsigned long line, const char *status)
+{
+    if (refused->count++ > 0) return;
+    refused->line = line;
+    refused->status = status;
+}
+
+/* Lifts one line; returns NULL or what is wrong with it. */
+static const char *lift_line(const line_format *lines, const char *line, unsigned long number,
+                             video *before, const options *set, refusals *refused)
 {
     edml_keypoint in[KEYPOINTS_MAX];
     answer out;
     const char *wrong = lines->read(in, &before->time, line, set);
+    if (wrong == NULL) wrong = to_pixels(in, set);
     if (wrong != NULL) return wrong;
     const edml_status status = lift(&out, in, before, set);
-    if (status != EDML_OK) ++*refused;
     out.status = edml_status_name(status);
+    if (status != EDML_OK) note_refusal(refused, number, out.status);
     lines->write(line, &out, set);
     return NULL;
 }
@@ -121,7 +150,8 @@ static unsigned long lift_lines(const line_format *lines, const options *set)
     static char buffer[LINE_MAX_BYTES + 1];
     static char too_long[32];
     static const answer bad_line = {.status = "bad_line"};
-    unsigned long number = 0, refused = 0, bad = 0;
+    unsigned long number = 0, bad = 0;
+    refusals refused = {0, 0, NULL};
     size_t length = 0;
     line_result result;
     video before;
@@ -134,18 +164,21 @@ static unsigned long lift_lines(const line_format *lines, const options *set)
         const int mark = ++number == 1 && strncmp(buffer, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0; /* BOM */
         const char *line = buffer + mark + strspn(buffer + mark, " \t\r");
         if (*line == '#' || line == buffer + length) continue;
-        const char *wrong = result == LINE_TOO_LONG    ? too_long
-                            : strlen(buffer) != length ? "holds a zero byte"
-                                                       : lift_line(lines, line, &before, set, &refused);
+        const int whole = result == LINE_READ && strlen(buffer) == length;
+        const char *wrong = whole                     ? lift_line(lines, line, number, &before, set, &refused)
+                            : result == LINE_TOO_LONG ? too_long
+                                                      : "holds a zero byte";
         before.frame++;
         if (wrong != NULL) {
             fprintf(stderr, "lift_stdin: line %lu: %s\n", number, wrong);
-            lines->write(NULL, &bad_line, set);
+            lines->write(whole ? line : NULL, &bad_line, set);
             bad++;
         }
         fflush(stdout);
     }
-    if (refused > 0) fprintf(stderr, "lift_stdin: refused poses: %lu\n", refused);
+    if (refused.count > 0)
+        fprintf(stderr, "lift_stdin: refused poses: %lu, the first in line %lu: %s\n", refused.count,
+                refused.line, refused.status);
     if (bad > 0) fprintf(stderr, "lift_stdin: bad lines: %lu\n", bad);
     return bad;
 }

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,13 +17,16 @@ static const char usage[] =
     "Lifts 2D poses to 3D, a line of input to a line of output, in order.\n"
     "\n"
     "Input: x y or x y c of each keypoint, in pixels, y down, separated by commas or blanks; c is a\n"
-    "confidence, c <= 0 means not seen.  Without --format the keypoints are the 14 joints that the\n"
-    "networks take: head top, neck, right shoulder, elbow, wrist, left shoulder, elbow, wrist, right\n"
-    "hip, knee, ankle, left hip, knee, ankle.  Blank lines and those that start with # are skipped.\n"
+    "confidence, c <= 0 means not seen; without c all were seen, also one at 0 0.  Without --format\n"
+    "the keypoints are the 14 joints that the networks take: head top, neck, right shoulder, elbow,\n"
+    "wrist, left shoulder, elbow, wrist, right hip, knee, ankle, left hip, knee, ankle.  Blank lines\n"
+    "and those that start with # are skipped.\n"
     "\n"
     "Output: status,x0,y0,z0,...,x13,y13,z13,mirror_margin,residual in metres: x right, y down,\n"
     "z away from the camera, origin between the hips.  A pose that cannot be lifted has a status\n"
-    "other than ok and empty fields; a line that is not a pose has the status bad_line.\n"
+    "other than ok and empty fields: too_few_joints (under 10 seen), not_finite (NaN or infinity),\n"
+    "degenerate (on a point or a line, or like no person), unusual (3.5 times wider than high), or\n"
+    "time (with --track, not later than the one before).  A line that is not a pose has bad_line.\n"
     "\n"
     "  --format NAME   keypoints of a detector, such as coco17; --list-formats has all\n"
     "  --image W,H     size of the image in pixels, for --focal and for blazepose33, which counts in\n"
@@ -30,19 +34,22 @@ static const char usage[] =
     "  --camera FX,FY,CX,CY\n"
     "                  place each pose before this camera (pixels): fields placement (ok, or why not),\n"
     "                  root_x, root_y, root_z (mid-hip, metres from the camera), reprojection (RMS,\n"
-    "                  pixels) and focal follow; the joints are about the root and turned as placed;\n"
+    "                  pixels) and focal follow; the joints are about the root and turned as placed,\n"
+    "                  or, where placement is not ok, as without a camera;\n"
     "                  with --json, members \"placement\", \"root\":[x,y,z], \"reprojection\", \"focal\"\n"
     "  --focal F       the same with this focal length and the middle of the image; --focal sweep\n"
     "                  looks for the one that fits best: distances are then a guess\n"
     "  --height M      the person's standing height in metres: poses get this size\n"
     "  --quality       a field quality follows residual: 0 to 1, the chance of a mean error under 100 mm\n"
     "  --json          lines of JSON: objects with \"keypoints\":[[x,y,c],...], where a keypoint may be\n"
-    "                  [x,y], null or [null,null]; each comes out with all its members and \"status\",\n"
+    "                  [x,y], null or [null,null], and all of them null or [] where nobody is; each\n"
+    "                  comes out with all its members, a bad one, too, and \"status\",\n"
     "                  \"joints\":[[x,y,z],...], \"mirror_margin\" and \"residual\"\n"
     "  --track FPS     the lines are a video of one person, so many frames a second: steady its motion;\n"
     "                  --track t: at the times that the objects of --json have, \"t\", in seconds;\n"
-    "                  a line that is not a pose is a frame without one\n"
-    "  --model NAME    network to use (default: the first of --list-models; with --fixed fconn_q15)\n"
+    "                  a line that is not a pose is a frame without one; one video a run\n"
+    "  --model NAME    form of FConn to use (default: the first of --list-models; with --fixed\n"
+    "                  fconn_q15)\n"
     "  --fixed         lift in fixed point, as on a core without an FPU; coordinates must be within\n"
     "                  8192 pixels\n"
     "  --threshold C   keypoints with confidence <= C are not seen (default: 0)\n"
@@ -52,7 +59,8 @@ static const char usage[] =
     "  --help          print this and exit\n"
     "  --version       print the version and exit\n"
     "\n"
-    "Exit status: 0; 1 if there was a bad line; 2 if input or output failed, or for a wrong option.\n";
+    "Exit status: 0, also where poses were refused; 1 if there was a bad line; 2 if input or output\n"
+    "failed, or for a wrong option.\n";
 
 /* Value of an option, given as "--name value" or "--name=value"; NULL if `arg` is another one. */
 static const char *option_value(const char *name, char **argv, int *i)
@@ -110,8 +118,8 @@ static void set_threshold(options *set, const char *text)
 {
     char *end;
     set->threshold = strtof(text, &end);
-    if (end != text && *end == '\0' && set->threshold >= 0) return;
-    fprintf(stderr, "lift_stdin: --threshold must be a number >= 0, not '%s'\n", text);
+    if (end != text && *end == '\0' && set->threshold >= 0 && set->threshold <= FLT_MAX) return;
+    fprintf(stderr, "lift_stdin: --threshold must be a finite number >= 0, not '%s'\n", text);
     exit(EXIT_TROUBLE);
 }
 
@@ -177,7 +185,7 @@ static void set_height(options *set, const char *text)
     const int read = read_list(&set->owner.height, 1, text);
     if (read && set->owner.height > 0 && edml_fit_person(&none, &set->owner) != EDML_ERR_PERSON)
         return;
-    fprintf(stderr, "lift_stdin: --height must be a person's, in metres, not '%s'\n", text);
+    fprintf(stderr, "lift_stdin: --height must be a person's, 0.5 to 2.5 metres, not '%s'\n", text);
     exit(EXIT_TROUBLE);
 }
 
@@ -248,6 +256,9 @@ options read_options(char **argv)
             set.json = 1;
         } else if (strcmp(argv[i], "--fixed") == 0) {
             set.fixed = 1;
+        } else if (argv[i][0] != '-') {
+            fprintf(stderr, "lift_stdin: takes no files: lift_stdin < '%s'\n", argv[i]);
+            exit(EXIT_TROUBLE);
         } else {
             fprintf(stderr, "lift_stdin: unknown option '%s'; see --help\n", argv[i]);
             exit(EXIT_TROUBLE);

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from builds import need
 
-from firmware import ROOT, SOURCES, ToolError, library_flags, run
+from firmware import INCLUDES, ROOT, SOURCES, ToolError, library_flags, run
 
 CONSUMER = ROOT / "tests" / "install"
 SAID = "ok left_ankle\n"
@@ -84,6 +84,17 @@ def test_only_the_public_header_is_installed(installed: Path) -> None:
 def test_in_another_cmake_project(way: str, tmp_path: Path) -> None:
     need("g++")
     build_and_run(tmp_path, f"-DWAY={way}", f"-DEDMLIFT_SOURCE={ROOT}")
+    run("cmake", "--install", tmp_path, "--prefix", tmp_path / "prefix")
+    assert not (tmp_path / "prefix").exists()  # it is the other project's affair
+
+
+@pytest.mark.parametrize("flag", ["-ffast-math", "-Ofast", "-ffinite-math-only"])
+@pytest.mark.parametrize("cc", ["gcc", "clang"])
+def test_flags_that_let_nan_through_do_not_compile(cc: str, flag: str, tmp_path: Path) -> None:
+    need(cc)
+    source, out = ROOT / "lib" / "pipeline_f32.c", tmp_path / "x.o"
+    with pytest.raises(ToolError, match="compile it without -ffast-math"):
+        run(cc, "-std=c99", flag, "-w", *INCLUDES, "-c", source, "-o", out)
 
 
 def test_vendored_with_a_makefile(tmp_path: Path) -> None:
