@@ -212,10 +212,10 @@ static void fill_twin_pairs(void)
 }
 
 /* d^2 / (d + 0.6) in Q11, d in Q12. */
-static int64_t softened(int32_t edm)
+static int64_t softened(int32_t q24)
 {
-    const int64_t distance = scaled_down((int64_t)edm + 2048, 12, 32767), sum = distance + 2458;
-    return (distance * distance + sum) / (2 * sum);
+    const int64_t d = scaled_down((int64_t)q24 + 2048, 12, 32767), sum = d + 2458;
+    return (d * d + sum) / (2 * sum);
 }
 
 static void expect_twin(const int32_t edm_in[EDML_PAIRS], const edml_model *model)
