@@ -406,6 +406,16 @@ static void a_person_lost_in_the_rounding_of_far_coordinates_is_refused(void)
     check(EDML_OK);
 }
 
+/* Where floats lose bits to being small. */
+static void a_person_smaller_than_the_least_number_with_all_its_bits_is_refused(void)
+{
+    someone();
+    map(0x1p-120F, 0, 0x1p-120F, 0);
+    check(EDML_OK);
+    map(0x1p-34F, 0, 0x1p-34F, 0);
+    check(EDML_ERR_DEGENERATE);
+}
+
 static void wider_than_the_widest_is_refused(void)
 {
     someone();
@@ -510,6 +520,7 @@ int main(void)
     RUN_TEST(points_on_a_line_are_refused);
     RUN_TEST(points_nearly_on_a_line_are_refused_and_a_narrow_person_is_not);
     RUN_TEST(a_person_lost_in_the_rounding_of_far_coordinates_is_refused);
+    RUN_TEST(a_person_smaller_than_the_least_number_with_all_its_bits_is_refused);
     RUN_TEST(wider_than_the_widest_is_refused);
     RUN_TEST(coordinates_whose_differences_overflow_are_measured);
     RUN_TEST(extreme_coordinates_give_finite_values_or_a_refusal);
