@@ -415,7 +415,7 @@ class Library:
         return out, self._c.edml_mirror_f32(_pointer(out), ctypes.c_void_p(self.model))
 
     def orient(self, points: np.ndarray, keypoints: np.ndarray) -> np.ndarray:
-        """Points [14,3] turned to the camera; ValueError where neither they nor the image say how."""
+        """Points [14,3] turned to the camera; ValueError where nothing says how."""
         out = _f32(points).copy()
         seen = sum(1 << j for j in range(14) if keypoints[j, 2] > 0)
         code = self._c.edml_orient_f32(

@@ -56,8 +56,9 @@ def edm_value(edm: np.ndarray, shift: int = EDM_SHIFT) -> np.ndarray:
 class Plan(NamedTuple):
     """What quantising must know of a kind of network beyond its layers."""
 
-    # Layers, what the first one reads of EDMs [F,91], and what makes the sums of layer k its output -> what goes into each
-    # layer, and the distances [F,91].  A layer may have several inputs a channel, its taps.
+    # Layers, what the first one reads of EDMs [F,91], and what makes the sums of layer k its output
+    # -> what goes into each layer, and the distances [F,91].  A layer may have several inputs a
+    # channel, its taps.
     forward: Callable[[Sequence[Any], np.ndarray, Activate], list[np.ndarray]]
     # What the first layer reads of EDMs [F,91]: of distances, and of whole numbers in Q24.
     first: Callable[[np.ndarray], np.ndarray] = lambda edms: edms

@@ -100,8 +100,8 @@ def net(layers: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarra
 def twin(layers: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarray:
     """FConn with left and right alike, as a plain one of twice the width: [91] -> [91] metres.
 
-    It reads d^2 / (d + 0.6) of a distance d.  A unit reads first and second twins by the sum of its even and its odd weights and by their
-    difference, its own twin the other way round.
+    It reads d^2 / (d + 0.6) of a distance d.  A unit reads first and second twins by the sum of its
+    even and its odd weights and by their difference, its own twin the other way round.
     """
     first, second = PAIR_TWINS.T
     x = x * x / (x + 2458 / 4096)
