@@ -15,14 +15,14 @@ typedef struct {
     uint8_t lost[MOST_MISSING - 1]; /* not seen, nor a neighbour, by how many were not: from 2 on */
 } joint_error;
 
-static const joint_error head = {{55, 56, 63, 63, 74}, 71, {68, 72, 75}};
-static const joint_error neck = {{31, 33, 37, 37, 46}, 36, {33, 36, 39}};
-static const joint_error shoulder = {{41, 43, 47, 48, 57}, 51, {47, 50, 54}};
-static const joint_error elbow = {{58, 60, 65, 67, 72}, 79, {100, 94, 108}};
-static const joint_error wrist = {{91, 95, 103, 102, 119}, 159, {184, 185, 212}};
-static const joint_error hip = {{39, 40, 46, 45, 57}, 48, {46, 46, 52}};
-static const joint_error knee = {{62, 64, 75, 75, 92}, 96, {111, 110, 121}};
-static const joint_error ankle = {{92, 96, 112, 113, 135}, 144, {177, 187, 189}};
+static const joint_error head = {{54, 55, 62, 61, 74}, 70, {67, 68, 73}};
+static const joint_error neck = {{31, 32, 37, 37, 46}, 36, {32, 36, 38}};
+static const joint_error shoulder = {{40, 42, 47, 47, 57}, 51, {47, 50, 54}};
+static const joint_error elbow = {{57, 59, 64, 66, 73}, 78, {98, 94, 106}};
+static const joint_error wrist = {{89, 92, 102, 101, 119}, 159, {183, 186, 212}};
+static const joint_error hip = {{38, 39, 45, 44, 56}, 48, {44, 46, 52}};
+static const joint_error knee = {{61, 63, 74, 73, 91}, 96, {109, 110, 121}};
+static const joint_error ankle = {{90, 94, 110, 110, 133}, 142, {174, 185, 188}};
 
 static const joint_error *const errors[EDML_JOINTS] = {
     &head,  &neck, &shoulder, &elbow, &wrist, &shoulder, &elbow,
