@@ -39,7 +39,7 @@ def street(library: edmlift.Library) -> detections.Clip:
 
 # ---- The detections, lifted ------------------------------------------------------------------
 
-# Measured at most 78.2 and 147.3 mm, and 95.8 against BlazePose's 3D; a tenth is left for other
+# Measured at most 75.1 and 147.7 mm, and 91.7 against BlazePose's 3D; a tenth is left for other
 # weights.  Where the detector exchanges left and right there is nothing to hold the lift to.
 MEAN, WORST, APART = 0.102, 0.151, 0.105  # metres
 
@@ -87,12 +87,12 @@ def margins_of_wrong_images(library, beam) -> np.ndarray:
     joints = poses.joints.astype(float)
     chosen, other = (rigid_errors(p, truth).mean(1) for p in (joints, joints * [1, 1, -1]))
     wrong = chosen > other
-    assert wrong.mean() <= 0.05  # measured 4 of 80
-    assert (chosen - other)[wrong].max(initial=0) < 0.015  # there either is as bad: 137, 124 mm
+    assert wrong.mean() <= 0.05  # measured 3 of 80
+    assert (chosen - other)[wrong].max(initial=0) < 0.015  # there either is as bad: 128, 114 mm
     return poses.margin[wrong]
 
 
-@pytest.mark.xfail(reason="4.1 to 4.7 in four frames: the margin does not warn", strict=True)
+@pytest.mark.xfail(reason="4.2 to 4.7 in three frames: the margin does not warn", strict=True)
 def test_the_margin_warns_of_a_wrong_mirror_image(library, beam):
     assert (margins_of_wrong_images(library, beam) < 2).all()
 
@@ -104,7 +104,7 @@ def test_a_known_camera_puts_the_man_where_he_is(library, beam):
         placed = library.place(joints, keypoints, clip.camera)
         assert (placed.status == "ok").all()
         off = np.abs(placed.translation[:, 2] / detections.mid_hip(clip.truth)[:, 2] - 1)
-        assert off.mean() < 0.09  # measured 5 to 7 %
+        assert off.mean() < 0.09  # measured 4 to 7 %
 
 
 def test_the_frame_without_a_person_is_refused(library, street):
