@@ -107,7 +107,7 @@ def test_fconv_in_8_bits_loses_little_in_any_column():
 def test_fixed_point_is_the_float_lift(forms):
     for name, column in forms["fixed"].items():
         assert column["moved"] <= 0.5 and column["moved_999"] <= 3, name
-        assert column["mirrored"] <= 4, name  # of 6,453; measured 3, of margins near 0
+        assert column["mirrored"] <= 2, name  # of 6,453; measured 1, of a margin near 0
 
 
 def test_operations_are_those_of_the_table_and_none_overflows(people):
@@ -168,7 +168,7 @@ def test_all_of_the_flash_is_told(tmp_path):
 def test_a_wrong_figure_is_found():
     right = size_report.Cost(
         "Cortex-M3", "f32", code=6000, helpers=40, weights=160000, work=3800, stack=260,
-        place_stack=900, edm=100, net=1000, mds=1000, mirror=100, orient=100, blend=100, lift=2400,
+        place_stack=900, edm=100, guess=110, net=1000, mds=1000, mirror=100, orient=100, blend=100, lift=2400,
         place=1500,
     )  # fmt: skip
     size_report.compare([right], [right])
