@@ -1,6 +1,6 @@
 """The library's network and its rivals on every training person, by networks that never saw them.
 
-    evaluate_people.py TRAIN [--folds 6] [--epochs 300] [--out build/people]
+    evaluate_people.py TRAIN [--folds 6] [--epochs 240] [--out build/people]
                        [--json docs/accuracy/people.json] [--update docs/accuracy.md]
                        [--plots docs/accuracy]
 
@@ -123,7 +123,7 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("train", type=Path, help="motion to train and to measure on")
     parser.add_argument("--folds", type=int, default=6, help="of the people (%(default)s)")
-    parser.add_argument("--epochs", type=int, default=300, help="of each run (%(default)s)")
+    parser.add_argument("--epochs", type=int, default=240, help="of each run (%(default)s)")
     parser.add_argument("--out", type=Path, default=Path("build/people"), help="for weights")
     parser.add_argument("--json", type=Path, default=RESULTS, help="for results (%(default)s)")
     parser.add_argument("--update", type=Path, help="Markdown with marks for the tables")
