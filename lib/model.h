@@ -19,7 +19,8 @@ enum {
     EDML_ACTIVATION = 32767, /* the largest activation of a quantised network */
     EDML_FCONV_LAYERS = 5,
     EDML_EDM_SHIFT = 12,     /* its input is the EDM in Q24 shifted right by this: Q12, below 8 */
-    EDML_SOFT = 2458         /* of twin.inc, Q12 */
+    EDML_SOFT = 2458,        /* of twin.inc, Q12 */
+    EDML_MIDDLE = 14336      /* of twin_int.h, Q12 */
 };
 
 /* EDML_APART: a function that must not be inlined: its caller goes deeper once it is done, and what it
@@ -44,7 +45,7 @@ typedef struct {
 
 /* In whole numbers: y = ((W x + b) factor + 2^(shift - 1)) >> shift, limited to 0 to `most`, the
  * product in 64 bits.  0 <= x <= EDML_ACTIVATION; where left and right are alike, x are sums and
- * differences of two activations of up to half of that.  The exporter proves, by the L1 norms of the
+ * differences of two activations of up to half of that, and in the first layer, of -14336 to 16145.  The exporter proves, by the L1 norms of the
  * rows, that no sum on the way to W x + b leaves 32 bits. */
 typedef struct {
     uint16_t inputs, outputs;

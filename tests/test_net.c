@@ -211,11 +211,11 @@ static void fill_twin_pairs(void)
         for (int j = i + 1; j < EDML_JOINTS; j++) twin_pair[EDML_PAIR(i, j)] = twin_of(i, j);
 }
 
-/* d^2 / (d + 0.6) in Q11, d in Q12. */
+/* d^2 / (d + 0.6) in Q12, less 3.5. */
 static int64_t softened(int32_t q24)
 {
     const int64_t d = scaled_down((int64_t)q24 + 2048, 12, 32767), sum = d + 2458;
-    return (d * d + sum) / (2 * sum);
+    return (d * d + sum / 2) / sum - 14336;
 }
 
 static void expect_twin(const int32_t edm_in[EDML_PAIRS], const edml_model *model)

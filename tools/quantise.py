@@ -44,7 +44,12 @@ Activate = Callable[[int, np.ndarray], np.ndarray]
 
 def from_zero(k: int, layer: Any) -> tuple[np.ndarray, np.ndarray]:
     """Plan.ranges of inputs that are activations."""
-    return np.zeros(len(layer.weight), int), np.ones(len(layer.weight), int)
+    return np.zeros(len(layer.weight), int), np.full(len(layer.weight), ACTIVATION)
+
+
+def from_nowhere(k: int, layer: Any) -> np.ndarray:
+    """Plan.centre of inputs that are counted from zero."""
+    return np.zeros(len(layer.weight), int)
 
 
 def edm_value(edm: np.ndarray, shift: int = EDM_SHIFT) -> np.ndarray:
@@ -67,9 +72,11 @@ class Plan(NamedTuple):
     shares: Callable[[int], np.ndarray] = lambda k: np.ones(1)
     # The largest activation among the inputs of a layer behind the first.
     largest: Callable[[np.ndarray], float] = lambda inputs: float(inputs.max())
-    # Of layer k, least and largest value of each input [in], in largest activations.
+    # Of layer k, least and largest value of each input [in], whole numbers; and what was taken from
+    # it, for which the bias makes up.
     ranges: Callable[[int, Any], tuple[np.ndarray, np.ndarray]] = from_zero
-    spare: int = 0  # bits of an activation, and of the first input, that are left to sums of them
+    centre: Callable[[int, Any], np.ndarray] = from_nowhere
+    spare: int = 0  # bits of an activation that are left to sums of them
     sums: int = 1  # of the last layer, of whose mean a distance is made
     views: int | None = None  # to calibrate on; all
 
@@ -77,11 +84,6 @@ class Plan(NamedTuple):
     def activation(self) -> int:
         """The largest there is."""
         return ACTIVATION >> self.spare
-
-    @property
-    def first_scale(self) -> int:
-        """What 1 is in the first layer's input, of which the largest is an activation's."""
-        return METRE >> EDM_SHIFT + self.spare
 
 
 def dense_forward(layers: Sequence[Any], edms: np.ndarray, activate: Activate) -> list[np.ndarray]:
@@ -106,14 +108,15 @@ def quantise(
     if not all(np.isfinite(values).all() for values in mean):
         raise ExportError("calibration: a mean is not finite")
     hidden = [plan.activation / (HEADROOM * x) for x in largest]
-    scales = [plan.first_scale, *hidden, METRE / plan.sums]
+    scales = [METRE >> EDM_SHIFT, *hidden, METRE / plan.sums]
     dense = []
     for k, (weight, bias) in enumerate(equalised(layers)):
         inner = k < len(layers) - 1
         inputs = (plan.shares(k)[:, None] * mean[k]).reshape(-1)
         word = WORD if inner else WORD // plan.sums
         reach = input_ranges(plan, k, layers[k])
-        rows = Rows(weight, bias, inputs, scales[k], reach, word)
+        centre = plan.centre(k, layers[k]) / scales[k]
+        rows = Rows(weight, bias + centre @ weight, inputs - centre, scales[k], reach, word)
         most = plan.activation if inner else FARTHEST
         dense.append(quantise_layer(rows, scales[k + 1], WEIGHT_TYPES[form], most))
         prove(dense[k], k, reach, word)
@@ -122,7 +125,7 @@ def quantise(
 
 def input_ranges(plan: Plan, k: int, layer: Any) -> np.ndarray:
     """Least and largest inputs of layer k in whole numbers, [2,in]."""
-    return plan.activation * np.array(plan.ranges(k, layer))
+    return np.array(plan.ranges(k, layer))
 
 
 def equalised(layers: Sequence[Layer]) -> list[Layer]:

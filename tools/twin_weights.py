@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from quantise import Activate, Plan, edm_value
+from quantise import ACTIVATION, Activate, Plan, edm_value
 from skeleton import PAIR_TWINS, SELF_TWINS
 from weights import TWINS, ExportError, Layer, check_layers
 
@@ -76,12 +76,22 @@ def largest(inputs: np.ndarray) -> float:
 
 
 def ranges(k: int, layer: Any) -> tuple[np.ndarray, np.ndarray]:
-    """What the inputs of layer k are within, as multiples of the largest activation."""
+    """What the inputs of layer k are within, sums and differences of two in whole numbers."""
+    least, most = (-MIDDLE, LARGEST - MIDDLE) if k == 0 else (0, ACTIVATION >> SPARE)
     odd = np.arange(layer.weight.shape[0]) >= even_inputs(k, layer)
-    return np.where(odd, -1, 0), np.where(odd, 1, 2)
+    return np.where(odd, least - most, 2 * least), np.where(odd, most - least, 2 * most)
 
 
+def centre(k: int, layer: Any) -> np.ndarray:
+    """What is taken from the inputs of layer k, in whole numbers: from even ones of the first."""
+    even = np.arange(layer.weight.shape[0]) < even_inputs(k, layer)
+    return 2 * MIDDLE * (even & (k == 0))
+
+
+SPARE = 1  # bits of an activation that are left to sums of two
 SOFT = 2458  # twin.SOFT in Q12
+MIDDLE = 14336  # EDML_MIDDLE
+LARGEST = 30481  # that the first layer can read, before MIDDLE is taken from it
 
 
 def soften(edms: np.ndarray) -> np.ndarray:
@@ -90,10 +100,12 @@ def soften(edms: np.ndarray) -> np.ndarray:
 
 
 def soften_whole(edms: np.ndarray) -> np.ndarray:
-    """The same of EDMs in Q24, in Q11: first_input() of lib/twin_int.h."""
+    """The same of EDMs in Q24, in Q12: first_input() of lib/twin_int.h."""
     distance = edm_value(edms)  # Q12
     sums = distance + SOFT
-    return (distance**2 + sums) // (2 * sums)
+    return (distance**2 + sums // 2) // sums - MIDDLE
 
 
-PLAN = Plan(forward, soften, soften_whole, largest=largest, ranges=ranges, spare=1)
+PLAN = Plan(
+    forward, soften, soften_whole, largest=largest, ranges=ranges, centre=centre, spare=SPARE
+)
