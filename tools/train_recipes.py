@@ -51,6 +51,9 @@ RECIPES = {
     "missing joints guessed": through(blend=True, complete=True),
     "left and right alike": ours(),
     "in the camera's axes, too": ours(rigid=0.7),
+    "missing joints guessed, as long as FConv": through(
+        blend=True, complete=True, l2_epochs=5, mds_epochs=25
+    ),
     "left and right alike, as long as FConv": ours(l2_epochs=5, mds_epochs=25),
     "FConv: the paper's, exact 2D": fconv(),
     "FConv: the paper's, detector's noise": fconv(iid=0.0, **detector),
