@@ -16,8 +16,8 @@ DPI = 110
 NAMES = ("errors", "joints", "noise", "examples")
 LIBRARY, OTHER = COLOURS["left"], COLOURS["right"]
 # Of rivals; with more of them, from the start again.
-MARKERS = "ovDs^*"
-LINES = ("--", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)), ":", "-.", (0, (1, 3)))
+MARKERS = "ovDs^*X"
+LINES = ("--", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)), ":", "-.", (0, (1, 3)), (0, (12, 3)))
 # Example poses: the best, the worst, and what share of the poses has a smaller error.
 SHARES = {"best": 0.0, "25 %": 0.25, "median": 0.5, "75 %": 0.75, "95 %": 0.95, "worst": 1.0}
 
@@ -75,7 +75,7 @@ def errors(figures: dict, rivals: dict) -> Figure:
         ax.plot(at + 0.41, values, marker, color=FAINT, ms=4, label=title)  # between the bars
         top = max(top, *values)
     ax.set_xticks(at, list(figures), rotation=30, ha="right")
-    ax.set_ylim(0, 1.25 * top)  # room for the legend
+    ax.set_ylim(0, (1.15 + 0.1 * np.ceil((len(rivals) + 1) / 3)) * top)  # room for the legend
     ax.legend(frameon=False, ncols=3, loc="upper left", fontsize=9)
     return figure
 
@@ -112,7 +112,7 @@ def people(errors: dict[str, dict[str, dict[str, float]]], column: str) -> Figur
 
 def noise(figures: dict, rivals: dict, paper: dict[str, float]) -> Figure:
     """Error against noise on each coordinate, beside the paper's."""
-    figure, ax = _axes("Error against noise", wide=6.0)
+    figure, ax = _axes("Error against noise")
     columns = {"gt": 0, "n5": 5, "n10": 10, "n15": 15, "n20": 20}
     sigma = list(columns.values())
     error = np.array([figures[name]["error"] for name in columns])
@@ -126,7 +126,7 @@ def noise(figures: dict, rivals: dict, paper: dict[str, float]) -> Figure:
     ax.set_xticks(sigma)
     ax.set_xlabel("noise on each coordinate, pixels", color=TEXT)
     ax.set_ylim(bottom=0)
-    ax.legend(frameon=False, fontsize=9, loc="lower left", ncols=2)
+    ax.legend(frameon=False, fontsize=9, loc="center left", bbox_to_anchor=(1, 0.5))
     return figure
 
 
