@@ -45,8 +45,9 @@ typedef struct {
 
 /* In whole numbers: y = ((W x + b) factor + 2^(shift - 1)) >> shift, limited to 0 to `most`, the
  * product in 64 bits.  0 <= x <= EDML_ACTIVATION; where left and right are alike, x are sums and
- * differences of two activations of up to half of that, and in the first layer, of -14336 to 16145.  The exporter proves, by the L1 norms of the
- * rows, that no sum on the way to W x + b leaves 32 bits. */
+ * differences of two activations of up to half of that, and in the first layer of two inputs of -14336 to
+ * 16145.  The exporter proves, by the rows' weights and these bounds, that no sum on the way to W x + b
+ * leaves 32 bits. */
 typedef struct {
     uint16_t inputs, outputs;
     const int16_t *weight; /* [groups][inputs][EDML_ROWS], EDML_IN_WORDS */

@@ -9,6 +9,7 @@ heights are estimated as tools/fit_person.py says, bones are the true ones.
 
 import argparse
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -114,15 +115,18 @@ def percent(part: np.ndarray) -> float | str:
     return 100 * float(part.mean()) if len(part) else ""
 
 
+DECILES = (0, *np.arange(2, 11) / 10)  # the lowest two in one: hardly any pose is there
+
+
 def deciles(figures: dict[str, tuple[np.ndarray, np.ndarray]]) -> str:
     """Table of what becomes of poses by their quality, over all columns."""
     quality, error = (np.concatenate(v) for v in zip(*figures.values(), strict=True))
     rows = {}
-    for low in range(10):
-        inside = (quality >= low / 10) & (quality < (low + 1) / 10)
+    for low, high in pairwise(DECILES):
+        inside = (quality >= low) & (quality < high)
         told = 100 * float(quality[inside].mean()) if inside.any() else ""
         mean = 1000 * float(error[inside].mean()) if inside.any() else ""
-        rows[f"{low / 10:.1f} to {(low + 1) / 10:.1f}"] = [
+        rows[f"{low:.1f} to {high:.1f}"] = [
             int(inside.sum()), told, percent(error[inside] < GOOD), mean
         ]  # fmt: skip
     return table("quality", ["poses", "mean quality, %", "under 100 mm, %", "mean error, mm"], rows)

@@ -98,24 +98,36 @@ def test_mds(library, predicted):
     assert worst < POSITIONS
 
 
+def oracle_moves(distance, objective) -> float:
+    """How far apart ten steps of the oracle end, metres, where float32 rounds the distances."""
+    rng = np.random.default_rng(1)
+    ends = []
+    for _ in range(16):
+        d = distance + rng.normal(0, 2e-7, len(distance))
+        ends.append(reference.refine(reference.mds(d), d, objective, 10))
+    return max(apart(end, ends[0]) for end in ends)
+
+
 @pytest.mark.parametrize("objective", ["square", "raw", "eq2"])
 def test_refinement(library, predicted, objective):
-    """Five steps agree in every pose.  In a flat valley ten amplify rounding, a micrometre, a
-    thousandfold: there the points may differ in a pose in hundreds, and the objective, of which eq.
-    2 has kinks, by half a percent."""
+    """Five steps agree in every pose.  In a flat valley ten amplify rounding a thousandfold: there
+    the points may differ a little in a pose in hundreds, the objective not; but where the oracle
+    itself goes elsewhere for it, it says nothing of C."""
     far = 0
     for distance in predicted:
         start = reference.mds(distance)
-        for steps in (5, 10):
-            expected = reference.refine(start, distance, objective, steps)
-            refined, _ = library.refine(start, distance, objective, steps)
-            off = apart(refined, expected)
-            assert off < (POSITIONS if steps == 5 else 1e-3)  # measured 0.7 mm in one of 500
+        five, expected = (reference.refine(start, distance, objective, n) for n in (5, 10))
+        assert apart(library.refine(start, distance, objective, 5)[0], five) < POSITIONS
+        refined, _ = library.refine(start, distance, objective, 10)
+        off = apart(refined, expected)
         far += off >= POSITIONS
         reached = reference.stress(refined, distance, objective)
-        wanted = reference.stress(expected, distance, objective)
-        assert reached == pytest.approx(wanted, rel=1e-3 if off < POSITIONS else 1e-2)
         assert reached <= reference.stress(start, distance, objective) * (1 + 1e-6)
+        if off >= 10 * POSITIONS and oracle_moves(distance, objective) >= off / 2:
+            continue
+        assert off < 10 * POSITIONS
+        wanted = reference.stress(expected, distance, objective)
+        assert reached == pytest.approx(wanted, rel=1e-3)
     assert far <= 0.01 * COUNT
 
 
