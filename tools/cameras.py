@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import skeleton
-from skeleton import BONE_TYPE, LIMBS, PARENT, indices, mid_hip
+from edmlift import joints as skeleton
+from edmlift.joints import BONE_TYPE, LIMBS, PARENT, indices, mid_hip
 
 FOCAL = 1145.0  # pixels
 CENTRE = 500.0  # principal point of the 1000x1000 image, both axes

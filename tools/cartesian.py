@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 import network
-from skeleton import JOINTS
+from edmlift.joints import JOINTS
 
 Params = list[tuple[jax.Array, ...]]
 Statistics = list[tuple[jax.Array, jax.Array]]  # mean and variance [M] of each normalised layer

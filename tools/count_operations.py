@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import marks
-from edmlift import to_q16
+from edmlift.library import to_q16
 from evaluate import table, views
 from firmware import INCLUDES, ROOT, SOURCES, ToolError, library_flags, run
 from mocap import MocapError, Motion, load_motion

@@ -16,10 +16,10 @@ from PIL import Image
 
 import draw
 import marks
-from edmlift import Library
+from edmlift.joints import MIRROR, mid_hip
+from edmlift.library import Library
+from edmlift.metrics import rigid_errors
 from evaluate import scaled_errors, table
-from mirror import rigid_errors
-from skeleton import MIRROR, mid_hip
 from triangulate import read_cameras, triangulate
 
 DATA = Path(__file__).resolve().parent.parent / "examples" / "data" / "detections"

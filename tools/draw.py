@@ -24,8 +24,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon
 from tqdm import tqdm
 
-from mirror import rigid_errors
-from skeleton import BONES, INDEX, JOINTS, indices, mid_hip
+from edmlift.joints import BONES, INDEX, JOINTS, indices, mid_hip
+from edmlift.metrics import rigid_errors
 
 SHEETS = (".png", ".svg", ".pdf")
 COLUMNS, MOST_COLUMNS = 6, 24

@@ -30,10 +30,10 @@ import cameras
 import marks
 import plots
 import rivals
-from edmlift import Library, Poses
-from mirror import rigid_errors
+from edmlift.joints import JOINTS, LIMBS, mid_hip
+from edmlift.library import Library, Poses
+from edmlift.metrics import rigid_errors
 from mocap import MocapError, Motion, load_motion
-from skeleton import JOINTS, LIMBS, mid_hip
 from weights import manifest_text
 
 SEED = 20170714

@@ -18,12 +18,12 @@ from tqdm import tqdm
 
 import cameras
 import marks
-from edmlift import NO_KEYPOINT, Library
+from edmlift.joints import INDEX, JOINTS
+from edmlift.library import NO_KEYPOINT, Library
+from edmlift.metrics import rigid_errors
 from evaluate import SEED, by_subject
 from head_model import landmarks
-from mirror import rigid_errors
 from mocap import MocapError, Motion, load_motion
-from skeleton import INDEX, JOINTS
 
 HEAD, NECK = INDEX["head_top"], INDEX["neck"]
 EARS, EYES_NOSE = ("left_ear", "right_ear"), ("left_eye", "right_eye", "nose")

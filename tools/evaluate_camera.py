@@ -17,10 +17,10 @@ from tqdm import tqdm
 
 import cameras
 import marks
-from edmlift import Library, Placements
+from edmlift.joints import mid_hip
+from edmlift.library import Library, Placements
 from evaluate import Column, by_subject, table, views
 from mocap import MocapError, Motion, load_motion
-from skeleton import mid_hip
 
 COLUMNS = ("gt", "cpm")
 INTRINSICS = (cameras.FOCAL, cameras.FOCAL, cameras.CENTRE, cameras.CENTRE)

@@ -17,11 +17,11 @@ import numpy as np
 from tqdm import tqdm
 
 import marks
-from edmlift import Library
+from edmlift.joints import mid_hip
+from edmlift.library import Library
+from edmlift.metrics import rigid_errors
 from evaluate import SEED, Column, by_subject, table, views
-from mirror import rigid_errors
 from mocap import MocapError, Motion, load_motion
-from skeleton import mid_hip
 
 NOISE = 0.030  # metres, each coordinate of a joint
 SAME = 1e-3  # mm: errors of one and the same pose

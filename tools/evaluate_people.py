@@ -28,7 +28,7 @@ import rivals
 import train
 import train_recipes
 import train_rivals
-from mirror import rigid_errors
+from edmlift.metrics import rigid_errors
 from mocap import MocapError, Motion, load_motion
 from weights import ExportError, manifest_text
 

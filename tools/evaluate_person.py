@@ -17,12 +17,12 @@ from tqdm import tqdm
 
 import cameras
 import marks
-from edmlift import Library
+from edmlift.joints import BONES, JOINTS, PAIRS, indices
+from edmlift.library import Library
+from edmlift.metrics import rigid_errors
 from evaluate import SEED, Column, by_subject, scaled_errors, table, views
 from fit_person import GOOD, ankle_height, bodies
-from mirror import rigid_errors
 from mocap import MocapError, Motion, load_motion
-from skeleton import BONES, JOINTS, PAIRS, indices
 
 FEWEST, WIDEST = 10, 3.0  # the models' own
 SIZED = ("gt", "cpm", "rand2", "close")  # columns

@@ -23,9 +23,9 @@ import numpy as np
 from tqdm import tqdm
 
 import marks
-from edmlift import ROOT, Library
+from edmlift.library import ROOT, Library
+from edmlift.metrics import rigid_errors
 from evaluate import SEED, Column, by_subject, table, views
-from mirror import rigid_errors
 from mocap import MocapError, Motion, load_motion
 from points import Relaxation, descend
 

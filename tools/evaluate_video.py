@@ -20,11 +20,11 @@ from tqdm import tqdm
 
 import cameras
 import marks
-from edmlift import Library, Poses, Tracked
+from edmlift.joints import BONES, MIRROR, indices, mid_hip
+from edmlift.library import Library, Poses, Tracked
+from edmlift.metrics import rigid_errors
 from evaluate import SEED, by_subject, table
-from mirror import rigid_errors
 from mocap import AMC_FPS, MocapError, Motion, Settings, load_motion, read_folder
-from skeleton import BONES, MIRROR, indices, mid_hip
 
 LONGEST_STEP = 0.2  # seconds between frames of a clip
 SHORTEST = 15  # frames of a clip

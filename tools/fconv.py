@@ -13,9 +13,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from edmlift.joints import JOINTS, PAIRS
 from fconv_weights import CHANNELS, EPSILON, fold, shorten
 from fconv_weights import TAPS as WIDTH
-from skeleton import JOINTS, PAIRS
 
 COUNT = len(JOINTS)
 MOMENTUM = 0.99  # of the running means and variances

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from edmlift.joints import PAIRS
 from quantise import Activate, Plan
-from skeleton import PAIRS
 from weights import ExportError, Layer, to_float32
 
 Params = Mapping[str, np.ndarray]

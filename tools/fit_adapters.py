@@ -20,9 +20,9 @@ import numpy as np
 
 import cameras
 import marks
+from edmlift.joints import INDEX, mid_hip, mid_shoulder
 from head_model import HEAD_BREADTH, NOSE_BEFORE_EAR, landmarks, low_necks
 from mocap import MocapError, load_motion
-from skeleton import INDEX, mid_hip, mid_shoulder
 
 SEED = 14
 POSES = 600  # of each subject, drawn again where it has fewer: every body counts alike

@@ -18,8 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
+from edmlift.joints import JOINTS, MIRROR
 from mocap import MocapError, Motion, load_motion
-from skeleton import JOINTS, MIRROR
 
 ONE = 4096  # of the table's whole numbers: EDML_COMPLETION_ONE
 OUT = Path(__file__).resolve().parent.parent / "gen" / "completion.h"

@@ -16,12 +16,12 @@ import numpy as np
 from scipy.optimize import minimize
 
 import cameras
-from edmlift import Library
+from edmlift.joints import BONE_TYPE, BONES, INDEX, JOINTS, LIMBS
+from edmlift.library import Library
+from edmlift.metrics import rigid_errors
 from evaluate import views
 from head_model import TRAGION_TO_CROWN
-from mirror import rigid_errors
 from mocap import MocapError, Motion, load_motion
-from skeleton import BONE_TYPE, BONES, INDEX, JOINTS, LIMBS
 from train import MAX_MISSING, draw_masks
 
 SEED = 5

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skeleton import INDEX, mid_hip, mid_shoulder
+from edmlift.joints import INDEX, mid_hip, mid_shoulder
 
 # Millimetres, ANSUR II.
 STATURE, ACROMION, SUPRASTERNALE = 1714.4, 1406.2, 1403.0  # heights above the floor

@@ -21,11 +21,11 @@ import numpy as np
 from tqdm import tqdm
 
 import licensed_data
-from edmlift import Library
+from edmlift.library import Library
+from edmlift.metrics import rigid_errors
 from evaluate import SEED, Column, conditions, rounded, table
 from export_weights import main as export_weights
 from licensed_data import Camera, Layout, Sequences
-from mirror import rigid_errors
 from mocap import MocapError, Motion, Settings, Trial, clean, save_motion
 
 ROOT = Path(__file__).resolve().parent.parent

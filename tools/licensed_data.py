@@ -21,8 +21,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import cameras
+from edmlift.joints import INDEX, JOINTS, indices
 from mocap import STATURE_RANGE, MocapError
-from skeleton import INDEX, JOINTS, indices
 
 MILLIMETRE = 0.001
 Y_UP = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # takes a world with z up to ours

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from tqdm import tqdm
 
-from skeleton import INDEX, JOINTS, indices, mid_hip
+from edmlift.joints import INDEX, JOINTS, indices, mid_hip
 
 AMC_FPS = 120.0  # CMU's rate; an AMC file does not say
 INCH = 0.0254  # metres; an ASF file's unit is an inch divided by its `length`

@@ -8,8 +8,8 @@ Only training uses it; figures and poses that a table reports come from the C li
 import jax
 import jax.numpy as jnp
 
+from edmlift.joints import JOINTS, PAIRS
 from reference import LEAST, LIGHT
-from skeleton import JOINTS, PAIRS
 
 COUNT = len(JOINTS)
 TINY = 1e-9

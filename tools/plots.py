@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from draw import COLOURS, FAINT, TEXT, draw_sheet
-from skeleton import JOINTS, mid_hip
+from edmlift.joints import JOINTS, mid_hip
 
 DPI = 110
 NAMES = ("errors", "joints", "noise", "examples")

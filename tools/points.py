@@ -7,7 +7,7 @@ tools/requirements-sdp.txt.
 import cvxpy
 import numpy as np
 
-from skeleton import JOINTS, PAIRS
+from edmlift.joints import JOINTS, PAIRS
 
 COUNT = len(JOINTS)
 STEPS = 500  # of the descent, at most

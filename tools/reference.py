@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from edmlift.joints import INDEX, PAIR_TWINS, PAIRS, SELF_TWINS, mid_hip
 from fit_completion import read_header
-from skeleton import INDEX, PAIR_TWINS, PAIRS, SELF_TWINS, mid_hip
 
 COUNT = 14
 

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 import scipy.io
 
-from edmlift import Library, Placements
-from skeleton import JOINTS, indices
+from edmlift.joints import JOINTS, indices
+from edmlift.library import Library, Placements
 
 # LSP's order: the right leg from the ankle up, the left one from the hip down, the arms likewise
 # from the right wrist to the left, neck, head top.  Of each of our joints, its index there.

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 import cameras
-from edmlift import Poses
+from edmlift.joints import mid_hip
+from edmlift.library import Poses
 from mocap import Motion
-from skeleton import mid_hip
 
 TRAINED = Path(__file__).resolve().parents[1] / "docs" / "accuracy" / "rivals.json"
 TITLES = {

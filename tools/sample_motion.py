@@ -21,7 +21,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import cameras
-from skeleton import JOINTS, mid_hip
+from edmlift.joints import JOINTS, mid_hip
 
 PYBULLET = "pybullet==3.2.7"
 MODEL = "pybullet_data/humanoid/humanoid.urdf"

@@ -32,12 +32,13 @@ import fconn
 import fconv
 import network
 import reference
-import skeleton
 import twin
+from edmlift import joints as skeleton
+from edmlift.joints import LIMBS, PAIRS
+from edmlift.metrics import rigid_errors
 from fit_completion import read_header as read_completion
-from mirror import fit_mirror, rigid_errors
+from mirror import fit_mirror
 from mocap import MocapError, Motion, load_motion
-from skeleton import LIMBS, PAIRS
 from weights import NO_BLEND, manifest_text
 
 

@@ -22,7 +22,7 @@ import evaluate
 import export_weights
 import marks
 import train
-from edmlift import Library
+from edmlift.library import Library
 from mocap import MocapError, Motion, load_motion
 from weights import ExportError, manifest_text
 

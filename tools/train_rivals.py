@@ -31,10 +31,10 @@ import marks
 import network
 import rivals
 import train
-from edmlift import Poses
-from mirror import rigid_errors
+from edmlift.joints import JOINTS, mid_hip
+from edmlift.library import Poses
+from edmlift.metrics import rigid_errors
 from mocap import MocapError, Motion, load_motion
-from skeleton import JOINTS, mid_hip
 from weights import manifest_text
 
 

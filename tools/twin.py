@@ -18,7 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 
 import fconn
-from skeleton import PAIR_TWINS, SELF_TWINS
+from edmlift.joints import PAIR_TWINS, SELF_TWINS
 
 Params = dict[str, jax.Array]  # weight0 [even + odd inputs, units], bias0 [units], weight1 ...
 SOFT = 2458 / 4096  # of the person's half height: a whole number in Q12

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from edmlift.joints import PAIR_TWINS, SELF_TWINS
 from quantise import ACTIVATION, Activate, Plan, edm_value
-from skeleton import PAIR_TWINS, SELF_TWINS
 from weights import TWINS, ExportError, Layer, check_layers
 
 ROWS = 8  # EDML_ROWS

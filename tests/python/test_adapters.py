@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-import edmlift
 import evaluate_adapters
 import fit_adapters
 import head_model
 import marks
+from edmlift import library as edmlift
 from mocap import load_motion
 
 DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))

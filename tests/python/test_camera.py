@@ -10,12 +10,12 @@ import scipy.io
 from conftest import ROOT
 
 import cameras
-import edmlift
 import evaluate_camera
 import marks
 import reproject
+from edmlift import library as edmlift
+from edmlift.joints import mid_hip
 from mocap import load_motion
-from skeleton import mid_hip
 
 DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 WALK = np.loadtxt(ROOT / "examples" / "data" / "walk.csv", delimiter=",").reshape(-1, 14, 3)

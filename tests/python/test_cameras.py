@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import cameras
-import skeleton
-from skeleton import INDEX, MIRROR, PARENT, mid_hip
+from edmlift import joints as skeleton
+from edmlift.joints import INDEX, MIRROR, PARENT, mid_hip
 
 STANDING = np.zeros((14, 3))
 STANDING[:, 1] = [1.7, 1.45, 1.4, 1.1, 0.85, 1.4, 1.1, 0.85, 0.9, 0.5, 0.1, 0.9, 0.5, 0.1]

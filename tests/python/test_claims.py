@@ -12,13 +12,13 @@ from builds import need_core
 from conftest import ROOT
 
 import count_operations
-import edmlift
 import evaluate
 import export_weights
 import marks
 import rivals
 import size_report
 import train_rivals
+from edmlift import library as edmlift
 from firmware import TARGETS, compile_library, run
 from mocap import load_motion
 

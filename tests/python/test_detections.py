@@ -10,9 +10,9 @@ from conftest import ROOT
 
 import detections
 import draw
-import edmlift
 import marks
-from mirror import rigid_errors
+from edmlift import library as edmlift
+from edmlift.metrics import rigid_errors
 from triangulate import Camera, read_cameras, triangulate
 
 PROGRAM = Path(

@@ -1,4 +1,4 @@
-"""The ctypes binding in tools/edmlift.py."""
+"""The ctypes binding in tools/edmlift/library.py."""
 
 import os
 from pathlib import Path
@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import edmlift
 import reference
+from edmlift import library as edmlift
 
 ROOT = Path(__file__).resolve().parents[2]
 WALK = np.loadtxt(ROOT / "examples" / "data" / "walk.csv", delimiter=",").reshape(-1, 14, 3)

@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import evaluate
-from edmlift import Poses
-from skeleton import INDEX, mid_hip
+from edmlift.joints import INDEX, mid_hip
+from edmlift.library import Poses
 
 
 @dataclass

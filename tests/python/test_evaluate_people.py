@@ -11,8 +11,8 @@ import evaluate
 import evaluate_people
 import marks
 import plots
-from edmlift import Poses
-from skeleton import mid_hip
+from edmlift.joints import mid_hip
+from edmlift.library import Poses
 
 SCRIPT = Path(evaluate_people.__file__)
 OTHER = next(iter(evaluate_people.RIVALS))

@@ -11,11 +11,11 @@ import pytest
 from conftest import ROOT
 
 import licensed
-from edmlift import Library, Poses
+from edmlift.joints import INDEX, JOINTS, indices
+from edmlift.library import Library, Poses
 from evaluate import Column
 from licensed_data import H36M, HUMANEVA, read_cameras, read_positions
 from mocap import MocapError, load_motion
-from skeleton import INDEX, JOINTS, indices
 
 # A standing person, metres, facing -y, z up; x is the person's left.
 STANDING = {

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import edmlift
-from skeleton import MIRROR
+from edmlift import library as edmlift
+from edmlift.joints import MIRROR
 
 ROOT = Path(__file__).resolve().parents[2]
 HEADER = (ROOT / "include" / "edmlift.h").read_text()

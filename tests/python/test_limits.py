@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-import edmlift
 import evaluate_mirror
 import learn_limits
 import marks
 import reference
+from edmlift import library as edmlift
+from edmlift.joints import JOINTS, MIRROR, mid_hip
 from mocap import Motion, load_motion, save_motion
-from skeleton import JOINTS, MIRROR, mid_hip
 
 DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 PAGE = ROOT / "docs" / "accuracy.md"

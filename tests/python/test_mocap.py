@@ -10,8 +10,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import mocap
+from edmlift.joints import INDEX, JOINTS
 from mocap import MocapError, Motion, Settings, Trial
-from skeleton import INDEX, JOINTS
 
 # ASF bones: parent, direction, length in inches (`length 1.0`), axis, channels.
 ASF = {

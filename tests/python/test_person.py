@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-import edmlift
 import evaluate_person
 import fit_person
 import marks
+from edmlift import library as edmlift
+from edmlift.joints import BONE_TYPE, BONES, JOINTS
 from mocap import load_motion
-from skeleton import BONE_TYPE, BONES, JOINTS
 
 DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 PAGE = ROOT / "docs" / "person.md"

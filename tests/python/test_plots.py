@@ -6,7 +6,7 @@ from PIL import Image
 
 import evaluate
 import plots
-from edmlift import Poses
+from edmlift.library import Poses
 from mocap import Motion
 
 

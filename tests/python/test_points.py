@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from edmlift import Library
+from edmlift.library import Library
 from reference import distances, mds, stress
 
 pytest.importorskip("cvxpy", reason="needs tools/requirements-sdp.txt")
 
 import evaluate_points
-from mirror import rigid_errors
+from edmlift.metrics import rigid_errors
 from points import Relaxation, descend, raw_stress
 
 

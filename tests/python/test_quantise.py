@@ -13,9 +13,9 @@ import pytest
 from builds import need_cross_compiler
 from conftest import ROOT
 
-import edmlift
 import firmware
 import quantise
+from edmlift import library as edmlift
 from export_weights import main, read_network
 from quantise import ACTIVATION, METRE, WORD, Dense
 from weights import ExportError, Layer
@@ -372,9 +372,8 @@ def test_the_shipped_model_is_the_model_in_numpy(edms, form):
 
 @pytest.fixture
 def motion(tmp_path: Path) -> Path:
-    from test_train import people
-
     from skeleton import JOINTS
+    from test_train import people
 
     made_up = people(60)
     fields = {name: getattr(made_up, name) for name in ("joints", "subject", "trial", "frame")}

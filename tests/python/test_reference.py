@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 
 import cameras
 import reference
-import skeleton
-from edmlift import Library
+from edmlift import joints as skeleton
+from edmlift.library import Library
 
 POSITIONS = 5e-5  # metres: the promise of the header and of tests/tolerance.h
 TOLERANCE = {

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 import cameras
 import evaluate
 import rivals
-from mirror import rigid_errors
+from edmlift.metrics import rigid_errors
 from mocap import Motion
 
 

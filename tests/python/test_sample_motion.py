@@ -7,7 +7,7 @@ import pytest
 
 import cameras
 import sample_motion
-from skeleton import BONES, INDEX, JOINTS, mid_hip
+from edmlift.joints import BONES, INDEX, JOINTS, mid_hip
 
 DATA = Path(__file__).resolve().parents[2] / "examples" / "data"
 CLIPS = {"walk": 39, "cartwheel": 82, "kick": 47, "tpose": 1}

@@ -18,8 +18,8 @@ import mirror
 import network
 import reference
 import train
+from edmlift.joints import JOINTS, PAIRS
 from mocap import MocapError, Motion
-from skeleton import JOINTS, PAIRS
 
 TRAIN = Path(train.__file__)
 SHORT = train.Recipe(l2_epochs=2, mds_epochs=2, batch=50)

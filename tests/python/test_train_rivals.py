@@ -17,8 +17,8 @@ import cartesian
 import network
 import train
 import train_rivals
+from edmlift.joints import JOINTS, PAIRS
 from mocap import MocapError, Motion
-from skeleton import JOINTS, PAIRS
 
 TOOL = Path(train_rivals.__file__)
 PLAIN = train_rivals.recipe(hidden=(16, 16), mds_epochs=3, batch=50, average=0.9)

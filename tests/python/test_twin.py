@@ -14,9 +14,9 @@ from conftest import ROOT
 import export_weights
 import quantise
 import reference
-import skeleton
 import twin
 import twin_weights
+from edmlift import joints as skeleton
 from firmware import INCLUDES, library_flags
 from quantise import ACTIVATION, METRE, WORD
 from weights import ExportError, Layer

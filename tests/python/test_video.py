@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import cameras
-import edmlift
 import evaluate_video as video
 import marks
-from edmlift import Poses, Tracked
+from edmlift import library as edmlift
+from edmlift.joints import INDEX, MIRROR, mid_hip
+from edmlift.library import Poses, Tracked
 from mocap import Motion, save_motion
-from skeleton import INDEX, MIRROR, mid_hip
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from skeleton import JOINTS
+from edmlift.joints import JOINTS
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "build" / "dev" / "libedmlift_tools.so"
 
 POSE = np.dtype(
@@ -154,7 +154,7 @@ class Library:
     def __init__(self, model: str = "fconn_f32", path: Path | None = None, fixed: bool = False):
         path = path or Path(os.environ.get("EDMLIFT_LIBRARY", LIBRARY))
         if not path.exists():
-            raise FileNotFoundError(f"{path}: not built; see the head of tools/edmlift.py")
+            raise FileNotFoundError(f"{path}: not built; see the head of tools/edmlift/library.py")
         self._c = ctypes.CDLL(str(path))
         self._c.edml_status_name.restype = ctypes.c_char_p
         for name, result in (
