@@ -12,9 +12,9 @@ import numpy as np
 TESTS = Path(__file__).resolve().parent
 sys.path.insert(0, str(TESTS.parent / "tools"))
 
-import reference  # noqa: E402
-from fconv_weights import NAMES, PLAN, UP_ORDER  # noqa: E402
-from quantise import ACTIVATION, FARTHEST, Dense, run  # noqa: E402
+from export.fconv import NAMES, PLAN, UP_ORDER  # noqa: E402
+from export.quantise import ACTIVATION, FARTHEST, Dense, run  # noqa: E402
+from model import reference  # noqa: E402
 
 # As tests/fconv_tiny.h has them: inputs' and outputs' channels, and the scale of the weights.
 LAYERS = ((1, 8, 9), (8, 16, 10), (16, 8, 10), (8, 16, 9), (16, 1, 11))

@@ -15,8 +15,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
 
-import reference  # noqa: E402
 from edmlift.joints import BONES, PAIRS  # noqa: E402
+from model import reference  # noqa: E402
 
 SEED = 14
 STEPS = 10

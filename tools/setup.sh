@@ -4,7 +4,7 @@
 #   step TEXT LOG COMMAND...           one line of output; what the command prints is in build/log
 #   need_packages [COMMAND:PACKAGE]... compiler, CMake, Ninja or Make, Python with venv, and what
 #                                      else is named: installs what is missing, or says its name
-#   firmware_packages                  such pairs, for tools/firmware.py
+#   firmware_packages                  such pairs, for tools/reports/targets.py
 #   make_venv                          build/venv as tools/requirements.txt has it
 #   configure FOLDER [OPTION]...       cmake with Ninja where there is one
 #

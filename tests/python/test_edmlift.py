@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import reference
 from edmlift import library as edmlift
+from model import reference
 
 ROOT = Path(__file__).resolve().parents[2]
 WALK = np.loadtxt(ROOT / "examples" / "data" / "walk.csv", delimiter=",").reshape(-1, 14, 3)
