@@ -1,8 +1,8 @@
-"""Trains a lifter: tools/training/train.py, whose --help says how."""
+"""Trains a lifter: tools/training/cli.py, whose --help says how."""
 
 import sys
 
-from training.train import main
+from training.cli import main
 
 if __name__ == "__main__":
     sys.exit(main())

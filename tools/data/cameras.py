@@ -24,7 +24,6 @@ DETECTOR_SHARE = np.array(
 DETECTOR_SCALES = (0.7, 2.1)  # good and bad detections ...
 DETECTOR_BAD = 0.1  # ... and the share of bad ones
 
-ADAPTED_NECK = 0.12  # TRUNK of lib/adapt.inc
 ADAPTED_HEAD = (0.012, 0.012, 0.040)  # metres an axis: both ears or the crown; ears; an ear, a face
 
 
@@ -119,17 +118,17 @@ def detector_noise(
 
 
 def adapter_error(
-    points: np.ndarray, camera_joints: np.ndarray, rng: np.random.Generator
+    points: np.ndarray, camera_joints: np.ndarray, neck: float, rng: np.random.Generator
 ) -> np.ndarray:
     """Head and neck as edml_adapt() puts them for detectors that have neither of the models'.
 
-    The neck is on the line from between the shoulders to between the hips; the head is off by
-    ADAPTED_HEAD, as docs/adapters.md has it for what detectors show of heads.
+    The neck is on the line from between the shoulders to between the hips, at the share `neck` of
+    it; the head is off by ADAPTED_HEAD, as docs/adapters.md says for what detectors show of heads.
     points [F,14,2], pixels; camera_joints [F,14,3] -> [F,14,2].
     """
     out = points.copy()
     shoulders, hips = skeleton.mid_shoulder(points), mid_hip(points)
-    out[:, skeleton.INDEX["neck"]] = shoulders + ADAPTED_NECK * (hips - shoulders)
+    out[:, skeleton.INDEX["neck"]] = shoulders + neck * (hips - shoulders)
     pixels = FOCAL / mid_hip(camera_joints)[:, 2:]  # per metre
     sigma = rng.choice(ADAPTED_HEAD, (len(points), 1))
     head = skeleton.INDEX["head_top"]
@@ -182,11 +181,11 @@ def mix_limbs(
     out = joints.astype(float)
     mine = out[chosen]
     roots = [PARENT[indices(LIMBS[limb])[0]] for limb in limbs]
-    turn = np.einsum("fki,fkj->fij", _trunk(mine, *roots), _trunk(other, *roots))
+    rotation = np.einsum("fki,fkj->fij", _trunk(mine, *roots), _trunk(other, *roots))
     for child in (joint for limb in limbs for joint in indices(LIMBS[limb])):
         parent = PARENT[child]
         length = np.linalg.norm(mine[:, child] - mine[:, parent], axis=-1, keepdims=True)
-        direction = _unit(np.einsum("fij,fj->fi", turn, other[:, child] - other[:, parent]))
+        direction = _unit(np.einsum("fij,fj->fi", rotation, other[:, child] - other[:, parent]))
         out[chosen, child] = out[chosen, parent] + length * direction
     return out
 

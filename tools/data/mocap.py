@@ -74,6 +74,9 @@ BVH_LOST = {
     "LeftFingerBase": "lwrist",
 }
 
+# Names of joints in files that were made before: their names today.
+OLDER_NAMES = {}
+
 STATURE = 1.6  # metres, head top to ankle of an adult ...
 STATURE_RANGE = (0.8, 2.6)  # ... and what may still be a person
 T_POSE_DEGREES = 15.0  # limbs of a T-pose are straight, its arms level, to within this
@@ -161,11 +164,11 @@ class Bone:
     name: str
     parent: str  # "" for the root
     offset: np.ndarray  # [3] start to end at rest, metres
-    axis: Rotation  # the frame in which the channels turn the bone
+    axis: Rotation  # the frame in which the channels rotate the bone
     channels: tuple[str, ...]  # of tx ty tz rx ry rz, in the order of the AMC's numbers
 
     @property
-    def turns(self) -> str:
+    def rotations(self) -> str:
         """Axes of the rotation channels, the first applied first."""
         return "".join(channel[1] for channel in self.channels if channel[0] == "r")
 
@@ -320,26 +323,26 @@ def _asf_parents(text: TextFile, rows: list[Row]) -> dict[str, tuple[int, str]]:
 def read_amc(path: Path, skeleton: Skeleton) -> Trial:
     """Reads an AMC trial of `skeleton`."""
     channels = _amc_channels(TextFile(path), skeleton)
-    turn: dict[str, Rotation] = {}
+    rotation: dict[str, Rotation] = {}
     end: dict[str, np.ndarray] = {}
     for bone in skeleton.needed():
-        own = bone.axis * _turn(bone, channels) * bone.axis.inv()
+        own = bone.axis * _rotation(bone, channels) * bone.axis.inv()
         if bone.parent:
-            turn[bone.name] = turn[bone.parent] * own
-            end[bone.name] = end[bone.parent] + turn[bone.name].apply(bone.offset)
+            rotation[bone.name] = rotation[bone.parent] * own
+            end[bone.name] = end[bone.parent] + rotation[bone.name].apply(bone.offset)
         else:
-            turn[bone.name] = own
+            rotation[bone.name] = own
             place = [bone.channels.index(channel) for channel in ("tx", "ty", "tz")]
             end[bone.name] = channels[bone.name][:, place] * skeleton.unit
     joints = np.stack([end[ASF_BONES[joint]] for joint in JOINTS], 1)
     return Trial(joints, ~np.hstack(list(channels.values())).any(1), AMC_FPS)
 
 
-def _turn(bone: Bone, channels: dict[str, np.ndarray]) -> Rotation:
-    if not bone.turns:
+def _rotation(bone: Bone, channels: dict[str, np.ndarray]) -> Rotation:
+    if not bone.rotations:
         return Rotation.identity()
     columns = [i for i, channel in enumerate(bone.channels) if channel[0] == "r"]
-    return Rotation.from_euler(bone.turns, channels[bone.name][:, columns], degrees=True)
+    return Rotation.from_euler(bone.rotations, channels[bone.name][:, columns], degrees=True)
 
 
 def _amc_channels(text: TextFile, skeleton: Skeleton) -> dict[str, np.ndarray]:
@@ -460,11 +463,11 @@ def _bvh_open(
 def _bvh_channels(
     text: TextFile, number: int, count: str, names: list[str], root: bool
 ) -> tuple[str, ...]:
-    turns = ["Xrotation", "Yrotation", "Zrotation"]
+    rotations = ["Xrotation", "Yrotation", "Zrotation"]
     moves = ["Xposition", "Yposition", "Zposition"]
     if count != str(len(names)):
         raise text.error(number, f"CHANNELS {count}, but {len(names)} names")
-    if sorted(names) != sorted(turns + moves if root else turns):
+    if sorted(names) != sorted(rotations + moves if root else rotations):
         raise text.error(
             number, "each joint must have three rotations, the root three positions besides"
         )
@@ -510,22 +513,22 @@ def _bvh_values(text: TextFile, nodes: dict[str, Node], start: int) -> tuple[np.
 
 def _bvh_places(nodes: dict[str, Node], values: np.ndarray, unit: float) -> dict[str, np.ndarray]:
     """World position [F,3] of each node, metres."""
-    turn: dict[str, Rotation] = {}
+    world: dict[str, Rotation] = {}
     place: dict[str, np.ndarray] = {}
     column = 0
     for node in nodes.values():
         own = dict(zip(node.channels, values[:, column:].T, strict=False))
         column += len(node.channels)
-        turns = [name for name in node.channels if name.endswith("rotation")]
+        names = [name for name in node.channels if name.endswith("rotation")]
         rotation = Rotation.identity()
-        if turns:
-            angles = np.stack([own[name] for name in turns], 1)
-            rotation = Rotation.from_euler("".join(n[0] for n in turns), angles, degrees=True)
+        if names:
+            angles = np.stack([own[name] for name in names], 1)
+            rotation = Rotation.from_euler("".join(n[0] for n in names), angles, degrees=True)
         if node.parent:
-            turn[node.name] = turn[node.parent] * rotation
-            place[node.name] = place[node.parent] + turn[node.parent].apply(node.offset)
+            world[node.name] = world[node.parent] * rotation
+            place[node.name] = place[node.parent] + world[node.parent].apply(node.offset)
         else:
-            turn[node.name] = rotation
+            world[node.name] = rotation
             move = np.stack([own[f"{axis}position"] for axis in "XYZ"], 1) * unit
             place[node.name] = node.offset + move
     return place
@@ -535,7 +538,7 @@ def _bvh_places(nodes: dict[str, Node], values: np.ndarray, unit: float) -> dict
 
 
 @dataclass(frozen=True)
-class Settings:
+class Cleaning:
     """How a folder is read."""
 
     fps: float = 15.0  # thin to this rate ...
@@ -546,19 +549,19 @@ class Settings:
     offsets: Skeleton | None = None  # restores lost bones of BVH files
 
 
-def clean(trial: Trial, settings: Settings) -> np.ndarray:
+def clean(trial: Trial, cleaning: Cleaning) -> np.ndarray:
     """Indices of the frames worth keeping, ascending."""
     bad = trial.blank | is_t_pose(trial.joints)
-    bad |= _too_fast(trial, bad, settings)
+    bad |= _too_fast(trial, bad, cleaning)
     root = mid_hip(trial.joints)
     pose = trial.joints - root[:, None]
     kept: list[int] = []
-    for frame in range(0, len(pose), max(1, round(trial.fps / settings.fps))):
+    for frame in range(0, len(pose), max(1, round(trial.fps / cleaning.fps))):
         if bad[frame]:
             continue
         if kept:
             moved = np.linalg.norm(pose[frame] - pose[kept[-1]], axis=-1).mean()
-            if moved < settings.min_move:
+            if moved < cleaning.min_move:
                 continue
         kept.append(frame)
     return np.array(kept, int)
@@ -584,13 +587,13 @@ def is_t_pose(joints: np.ndarray) -> np.ndarray:
     return np.min(cosines, 0) > np.cos(np.radians(T_POSE_DEGREES))
 
 
-def _too_fast(trial: Trial, bad: np.ndarray, settings: Settings) -> np.ndarray:
+def _too_fast(trial: Trial, bad: np.ndarray, cleaning: Cleaning) -> np.ndarray:
     """True [F] around jumps between frames that are not `bad` already."""
     root = mid_hip(trial.joints)
     pose = trial.joints - root[:, None]
     joint_speed = np.linalg.norm(np.diff(pose, axis=0), axis=-1).max(-1) * trial.fps
     pelvis_speed = np.linalg.norm(np.diff(root, axis=0), axis=-1) * trial.fps
-    jump = (joint_speed > settings.max_joint_speed) | (pelvis_speed > settings.max_pelvis_speed)
+    jump = (joint_speed > cleaning.max_joint_speed) | (pelvis_speed > cleaning.max_pelvis_speed)
     margin = round(FAST_MARGIN * trial.fps)
     fast = np.zeros(len(pose), bool)
     for first in np.flatnonzero(jump & ~bad[:-1] & ~bad[1:]):  # from frame `first` to the next
@@ -601,9 +604,9 @@ def _too_fast(trial: Trial, bad: np.ndarray, settings: Settings) -> np.ndarray:
 # Folders and .npz files
 
 
-def read_folder(folder: Path, settings: Settings | None = None) -> Motion:
+def read_folder(folder: Path, cleaning: Cleaning | None = None) -> Motion:
     """Reads every trial below a folder; broken files are reported on stderr and skipped."""
-    settings = settings or Settings()
+    cleaning = cleaning or Cleaning()
     paths = sorted(p for p in folder.rglob("*") if p.suffix.lower() in (".amc", ".bvh"))
     if not paths:
         raise MocapError(f"{folder}: no .amc or .bvh file")
@@ -611,7 +614,7 @@ def read_folder(folder: Path, settings: Settings | None = None) -> Motion:
     parts = []
     for path in tqdm(paths, desc=folder.name, unit="file", disable=None):
         try:
-            parts.append(_read_trial(path, skeletons, settings))
+            parts.append(_read_trial(path, skeletons, cleaning))
         except MocapError as error:
             tqdm.write(f"skipped: {error}", file=sys.stderr)
     poses = sum(len(part[0]) for part in parts)
@@ -629,26 +632,26 @@ def read_folder(folder: Path, settings: Settings | None = None) -> Motion:
 
 
 def _read_trial(
-    path: Path, skeletons: dict[Path, Skeleton], settings: Settings
+    path: Path, skeletons: dict[Path, Skeleton], cleaning: Cleaning
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Joints, subject, trial and frame of the frames kept; `skeletons` caches the ASF files."""
     numbers = re.match(r"(\d+)_(\d+)", path.name)
     if not numbers:
         raise MocapError(f"{path}: the name must begin with SUBJECT_TRIAL, two numbers")
     if path.suffix.lower() == ".bvh":
-        trial = read_bvh(path, settings.bvh_unit, settings.offsets)
+        trial = read_bvh(path, cleaning.bvh_unit, cleaning.offsets)
     else:
         asf = path.with_name(f"{numbers[1]}.asf")
         if asf not in skeletons:
             skeletons[asf] = read_asf(asf)
         trial = read_amc(path, skeletons[asf])
-    frame = clean(trial, settings)
+    frame = clean(trial, cleaning)
     subject = np.full(len(frame), int(numbers[1]))
     return trial.joints[frame], subject, np.full(len(frame), int(numbers[2])), frame
 
 
 def load_motion(path: Path) -> Motion:
-    """Reads an .npz of this tool's layout, or a folder with the default settings."""
+    """Reads an .npz of this tool's layout, or a folder with the default cleaning."""
     return read_folder(path) if path.is_dir() else _load_npz(path)
 
 
@@ -697,13 +700,19 @@ def _load_npz(path: Path) -> Motion:
 
 
 def _check_names(path: Path, names: np.ndarray) -> None:
-    """Joint names must be ours, in our order; r_ and l_ stand for right_ and left_."""
+    """Joint names must be ours, in our order.  r_ and l_ stand for right_ and left_; files made
+    before the first release call the first two joints by other names."""
     if names.shape != (len(JOINTS),):
         raise MocapError(f"{path}: {names.size} joint names, must be {len(JOINTS)}")
-    sides = {"r_": "right_", "l_": "left_"}
     for i, (name, ours) in enumerate(zip(names.astype(str), JOINTS, strict=True)):
-        if sides.get(name[:2], name[:2]) + name[2:] != ours:
+        if _current_name(str(name)) != ours:
             raise MocapError(f"{path}: joint {i} is '{name}', must be '{ours}'")
+
+
+def _current_name(name: str) -> str:
+    """The name that a joint of a file has today."""
+    sides = {"r_": "right_", "l_": "left_"}
+    return OLDER_NAMES.get(name, sides.get(name[:2], name[:2]) + name[2:])
 
 
 def _checked(motion: Motion, path: Path) -> Motion:
@@ -731,7 +740,7 @@ def _checked(motion: Motion, path: Path) -> Motion:
 
 
 def main() -> int:
-    defaults = Settings()
+    defaults = Cleaning()
     parser = argparse.ArgumentParser(
         description="Reads motion capture (ASF/AMC in CMU's layout, BVH) below a folder and "
         "writes the poses of 14 joints, in metres and y up, to an .npz file.",
@@ -775,7 +784,7 @@ def main() -> int:
     )
     args = parser.parse_args()
     try:
-        settings = Settings(
+        cleaning = Cleaning(
             fps=args.fps,
             min_move=args.min_move,
             max_joint_speed=args.max_joint_speed,
@@ -783,9 +792,9 @@ def main() -> int:
             bvh_unit=args.bvh_unit,
             offsets=read_asf(args.offsets) if args.offsets else None,
         )
-        save_motion(read_folder(args.folder, settings), args.out, args.fps)
+        save_motion(read_folder(args.folder, cleaning), args.out, args.fps)
     except MocapError as error:
-        print(f"mocap.py: {error}", file=sys.stderr)
+        print(f"mocap: {error}", file=sys.stderr)
         return 1
     return 0
 

@@ -1,33 +1,32 @@
-"""What an adapter costs in accuracy, through the C library: a table in Markdown.
+"""What an adapter costs in accuracy.
 
-    run.py evaluation.adapters TEST.npz [--model fconn_f32] [--update docs/adapters.md] [--quick]
+    evaluate.py adapters TEST.npz [--model fconn_f32] [--update docs/adapters.md] [--quick]
 
-The test people are seen as detectors of several kinds see them, with the heads of head_model.py,
-exactly and with the detector noise of cameras.py on every keypoint; edml_adapt makes joints of
-that and edml_lift lifts them.  The error is that of evaluate.py: mean over the joints after rigid
-alignment without scale, mean over people.
+The test people are seen as detectors of several kinds see them, with the heads of
+tools/data/head_model.py, exactly and with the noise of an imitated detector on every keypoint;
+edml_adapt makes joints of that and edml_lift lifts them.
 """
 
 import argparse
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
 
 from data import cameras
 from data.head_model import landmarks
-from data.mocap import MocapError, Motion, load_motion
+from data.mocap import Motion
+from data.views import SEED
 from edmlift.joints import INDEX, JOINTS
 from edmlift.library import NO_KEYPOINT, Library
 from edmlift.metrics import rigid_errors
-from evaluation.accuracy import SEED, by_subject
-from reports import markdown
+from evaluation.command import Evaluation, Tables, load
+from evaluation.measures import by_subject
+from reports.markdown import Figure, table
 
 HEAD, NECK = INDEX["head_top"], INDEX["neck"]
 EARS, EYES_NOSE = ("left_ear", "right_ear"), ("left_eye", "right_eye", "nose")
-WRONG = {"lower": -40, "higher": 40}  # mm by which the heads may be than modelled
+RAISED = {"lower": -40, "higher": 40}  # mm by which the heads may be than modelled
 HEAD_NOISE = cameras.DETECTOR_SHARE[HEAD]
 
 
@@ -122,7 +121,7 @@ def evaluate(library: Library, motion: Motion) -> dict[str, dict]:
     for name, noise in (("exact", False), ("noisy", True)):
         seen = detect(motion, noise)
         lifted = ways(library, seen)
-        for word, raised in WRONG.items():
+        for word, raised in RAISED.items():
             other = detect(motion, noise, raised).of_format(library, "coco17")
             title = f"coco17, both ears, heads {abs(raised)} mm {word} than modelled"
             lifted[title] = library.adapt(other, "coco17")
@@ -132,38 +131,18 @@ def evaluate(library: Library, motion: Motion) -> dict[str, dict]:
     return figures
 
 
-def table(figures: dict[str, dict]) -> str:
-    lines = ["| head and neck of | all 14 | 12 limb joints | head | neck | all, detector's noise |",
-             "|---|--:|--:|--:|--:|--:|"]  # fmt: skip
+def report(figures: dict[str, dict]) -> str:
+    """A row a way to get head and neck."""
+    rows: dict[str, list[Figure]] = {}
     for title, columns in figures.items():
         exact, noisy = columns["exact"], columns["noisy"]
-        cells = [exact[part] for part in ("all", "limbs", "head", "neck")] + [noisy["all"]]
-        lines.append(f"| {title} | " + " | ".join(f"{value:.1f}" for value in cells) + " |")
-    return "\n".join(lines) + "\n"
+        rows[title] = [exact[p] for p in ("all", "limbs", "head", "neck")] + [noisy["all"]]
+    heads = ["all 14", "12 limb joints", "head", "neck", "all, detector's noise"]
+    return table("head and neck of", heads, rows)
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
-    parser.add_argument("--model", default="fconn_f32")
-    parser.add_argument("--update", type=Path, help="Markdown file with marks for the table")
-    parser.add_argument("--quick", action="store_true", help="every 20th pose")
-    args = parser.parse_args()
-    try:
-        motion, library = load_motion(args.motion), Library(args.model)
-    except (MocapError, OSError, ValueError) as error:
-        print(f"adapters: {error}", file=sys.stderr)
-        return 1
-    if args.quick:
-        motion = motion.take(np.arange(0, len(motion.joints), 20))
-    text = table(evaluate(library, motion))
-    print(text, end="")
-    if args.update:
-        markdown.write(args.update, "adapters", text)
-    return 0
+def tables(args: argparse.Namespace) -> Tables:
+    return {"adapters": report(evaluate(*load(args)))}
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+EVALUATION = Evaluation(__doc__, tables)

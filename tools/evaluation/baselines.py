@@ -1,8 +1,8 @@
 """What a lifter must beat: rows of the table.
 
-Two are made of the training people without training, here; each has `lift` as edmlift.Library has,
-for tools/evaluate.py, and answers with poses of people, not turned to the camera.  The figures of
-those that are trained come from the JSON of tools/train_rivals.py.
+Two are made of the training people without training, here; each has `lift` as the library has, and
+answers with poses of people, not rotated to the camera.  The figures of those that are trained come
+from the JSON of tools/experiments/rivals.py.
 """
 
 import json
@@ -15,12 +15,13 @@ from data.mocap import Motion
 from data.paths import DOCS
 from edmlift.joints import mid_hip
 from edmlift.library import Poses
+from edmlift.metrics import procrustes
 
 TRAINED = DOCS / "accuracy" / "rivals.json"
 TITLES = {
     "mlp40k": "Cartesian network, 40 K",
-    "mlp40k_guess": "the same, missing joints guessed",
-    "mlp40k_blend": "that of 40 K, blended with the image",
+    "mlp40k_guess": "the same, missing joints imputed",
+    "mlp40k_blend": "that of 40 K, fused with the image",
     "mlp25k": "Cartesian network, 25.6 K",
     "martinez": "residual network, 4.3 M",
 }
@@ -34,7 +35,7 @@ def read_trained(path: Path, test: Motion, train: Motion, columns: list[str]) ->
 
     ValueError if they were trained or measured on other people, or not on all of the columns.
     """
-    again = "tools/train_rivals.py measures again"
+    again = "tools/experiments/rivals.py measures again"
     if not path.exists():
         raise ValueError(f"{path}: not there; {again}")
     rows = {}
@@ -51,19 +52,17 @@ def read_trained(path: Path, test: Motion, train: Motion, columns: list[str]) ->
 
 
 class MeanPose:
-    """The same pose for everyone: the mean of the training poses, each turned to it."""
+    """The same pose for everyone: the mean of the training poses, each rotated to it."""
 
     def __init__(self, train: Motion):
         poses = train.joints - train.joints.mean(1, keepdims=True)
         mean = poses[0]
         for _ in range(ROUNDS):
-            u, _, vt = np.linalg.svd(np.einsum("fni,nj->fij", poses, mean))
-            u[:, :, 2] *= np.sign(np.linalg.det(u @ vt))[:, None]
-            mean = np.einsum("fni,fij->nj", poses, u @ vt) / len(poses)
+            mean = procrustes(poses, np.broadcast_to(mean, poses.shape)).mean(0)
         self._pose = mean - mid_hip(mean)
 
     def lift(self, keypoints: np.ndarray) -> Poses:
-        return all_fine(np.repeat(self._pose[None], len(keypoints), 0))
+        return Poses.of(np.repeat(self._pose[None], len(keypoints), 0))
 
 
 class NearestNeighbour:
@@ -74,7 +73,7 @@ class NearestNeighbour:
         self._points = cameras.project(self._truth)
 
     def lift(self, keypoints: np.ndarray) -> Poses:
-        """Poses with the same joints hidden are compared with views that hide these, too."""
+        """Poses with the same joints hidden are compared with views that hide them as well."""
         nearest = np.zeros(len(keypoints), int)
         masks, group = np.unique(keypoints[..., 2] > 0, axis=0, return_inverse=True)
         for number, seen in enumerate(masks):
@@ -83,7 +82,7 @@ class NearestNeighbour:
                 _distances(keypoints[members][:, seen, :2]), _distances(self._points[:, seen])
             )
         truth = self._truth[nearest]
-        return all_fine(truth - mid_hip(truth)[:, None])
+        return Poses.of(truth - mid_hip(truth)[:, None])
 
 
 def _distances(points: np.ndarray) -> np.ndarray:
@@ -99,8 +98,3 @@ def _nearest(these: np.ndarray, others: np.ndarray) -> np.ndarray:
     squares = (others**2).sum(1)
     blocks = [these[i : i + BLOCK] for i in range(0, len(these), BLOCK)]
     return np.concatenate([(squares - 2 * block @ others.T).argmin(1) for block in blocks])
-
-
-def all_fine(joints: np.ndarray) -> Poses:
-    nothing = np.zeros(len(joints))
-    return Poses(joints, nothing, nothing, np.full(len(joints), "ok"))

@@ -1,32 +1,31 @@
-"""What is gained by knowing the person, and how true quality and uncertainty are: Markdown.
+"""Effect of known body measurements, and how true quality and uncertainty are.
 
-    run.py evaluation.body TEST.npz [--model fconn_f32] [--update docs/person.md] [--quick]
+    evaluate.py body TEST.npz [--model fconn_f32] [--update docs/person.md] [--quick]
 
-Through the C library, on the views of tools/evaluate.py and on partial ones.  Errors are those of
-evaluate.py: mean over the joints after rigid alignment without scale, mean over people.  Standing
-heights are estimated as tools/fit_person.py says, bones are the true ones.
+Standing heights are estimated as tools/data/bodies.py says, bones are the true ones.
 """
 
 import argparse
-import sys
 from itertools import pairwise
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 from tqdm import tqdm
 
 from data import cameras
-from data.mocap import MocapError, Motion, load_motion
+from data.bodies import GOOD, ankle_height, bodies
+from data.mocap import Motion
+from data.views import SEED, Column, views
 from edmlift.joints import BONES, JOINTS, PAIRS, indices
 from edmlift.library import Library
-from edmlift.metrics import rigid_errors
-from evaluation.accuracy import SEED, Column, by_subject, scaled_errors, table, views
-from fitting.body import GOOD, ankle_height, bodies
-from reports import markdown
+from edmlift.metrics import joint_errors, rigid_errors
+from evaluation.command import Evaluation, Tables, base_model, load
+from evaluation.measures import by_subject, mean_error
+from model.manifest import read_manifest
+from reports.markdown import table
 
-FEWEST, WIDEST = 10, 3.0  # the models' own
 SIZED = ("gt", "cpm", "rand2", "close")  # columns
-LEGS = ("right_knee", "right_ankle", "left_knee", "left_ankle")
+LEG_JOINTS = ("right_knee", "right_ankle", "left_knee", "left_ankle")
 # What is not seen.
 PARTIAL = {
     "all seen": (),
@@ -36,37 +35,32 @@ PARTIAL = {
     "no right leg": ("right_knee", "right_ankle"),
     "no right arm, no right leg": ("right_elbow", "right_wrist", "right_knee", "right_ankle"),
     "no arms": ("right_elbow", "right_wrist", "left_elbow", "left_wrist"),
-    "no legs, hips seen": LEGS,
-    "no legs, no hips (at a desk)": ("right_hip", "left_hip", *LEGS),
+    "no legs, hips seen": LEG_JOINTS,
+    "no legs, no hips (at a desk)": ("right_hip", "left_hip", *LEG_JOINTS),
 }
 
 
-def mean_error(joints: np.ndarray, truth: np.ndarray, subject: np.ndarray) -> float:
-    """mm."""
-    return 1000 * by_subject(rigid_errors(joints, truth).mean(1), subject).mean()
-
-
-def matrix_way(library: Library, column: Column, bone: np.ndarray) -> np.ndarray:
-    """Poses [F,14,3] if known bones [F,13] replace their distances in the network's matrix, the
-    others being scaled alike: what fit_person was chosen over."""
+def matrix_way(
+    library: Library, column: Column, bone: np.ndarray, manifest: dict[str, Any]
+) -> np.ndarray:
+    """Poses [F,14,3] if known bones [F,13] replace their distances in the network's matrix, and
+    the others are scaled alike: the alternative to edml_fit_body()."""
+    fewest, aspect = manifest["fewest_joints"], manifest["max_aspect"]
     pairs = [np.flatnonzero((PAIRS[0] == min(b)) & (PAIRS[1] == max(b)))[0] for b in BONES]
     joints = np.zeros_like(column.truth)
     for pose, keypoints, known in zip(joints, column.keypoints, bone, strict=True):
-        distance = library.net(library.edm(keypoints, FEWEST, WIDEST, complete=True)[1])
+        distance = library.predict(library.edm(keypoints, fewest, aspect, impute=True)[1])
         distance *= known.sum() / distance[pairs].sum()
         distance[pairs] = known
         pose[:] = library.mirror(library.mds(distance))[0]
     return joints
 
 
-def sizes(library: Library, motion: Motion, columns: dict[str, Column]) -> str:
-    """Table of errors by what is known of the person."""
-    people = bodies(motion, ankle_height(motion))
-    who = np.searchsorted(people.subject, motion.subject)
-    height, bone = people.height[who], people.bone[who]
-    legs_and_arms = np.ones(13)
+def known_measurements(height: np.ndarray, bone: np.ndarray) -> dict[str, dict[str, Any]]:
+    """What Library.fit_body() is told of people with heights [F] and bones [F,13], by title."""
+    legs_and_arms = np.ones(len(BONES))
     legs_and_arms[[0, 1, 4, 7, 10]] = 0  # all but head, clavicles and trunk
-    known = {
+    return {
         "nothing": {},
         "height": {"height": height},
         "height 5 % too large": {"height": 1.05 * height},
@@ -78,6 +72,16 @@ def sizes(library: Library, motion: Motion, columns: dict[str, Column]) -> str:
         "upper arms, forearms, thighs and shins": {"bones": bone * legs_and_arms},
         "the same, and height": {"height": height, "bones": bone * legs_and_arms},
     }
+
+
+def sizes(
+    library: Library, motion: Motion, columns: dict[str, Column], manifest: dict[str, Any]
+) -> str:
+    """Table of errors by what is known of the person."""
+    people = bodies(motion, ankle_height(motion))
+    who = np.searchsorted(people.subject, motion.subject)
+    height, bone = people.height[who], people.bone[who]
+    known = known_measurements(height, bone)
     rows: dict[str, list[float]] = {title: [] for title in known}
     rows["bones, put into the matrix instead"] = []
     rows["(the scale that fits the truth best)"] = []
@@ -85,14 +89,15 @@ def sizes(library: Library, motion: Motion, columns: dict[str, Column]) -> str:
         column = columns[name]
         poses = library.lift(column.keypoints)
         for title, person in known.items():
-            joints, status = library.fit_person(poses.joints, **person)
-            assert (status == "ok").all()
+            joints, status = library.fit_body(poses.joints, **person)
+            if (status != "ok").any():
+                raise ValueError(f"{title}, {name}: {status[status != 'ok'][0]}")
             rows[title].append(mean_error(joints.astype(float), column.truth, motion.subject))
-        inside = matrix_way(library, column, bone)
+        inside = matrix_way(library, column, bone, manifest)
         rows["bones, put into the matrix instead"].append(
             mean_error(inside, column.truth, motion.subject)
         )
-        best = scaled_errors(poses.joints.astype(float), column.truth).mean(1)
+        best = joint_errors(poses.joints, column.truth, "similarity").mean(1)
         rows["(the scale that fits the truth best)"].append(
             1000 * by_subject(best, motion.subject).mean()
         )
@@ -107,7 +112,7 @@ def quality_figures(
     for name, column in tqdm(columns.items(), desc="quality", disable=None):
         poses = library.lift(column.keypoints)
         error = rigid_errors(poses.joints.astype(float), column.truth).mean(1)
-        figures[name] = library.quality(poses, column.keypoints), error
+        figures[name] = library.quality(poses), error
     return figures
 
 
@@ -173,7 +178,7 @@ def partial(library: Library, motion: Motion) -> str:
             rows[title] = [14 - len(hidden), str(poses.status[0]).replace("_", " "), *[""] * 4]
             continue
         error = 1000 * rigid_errors(poses.joints[fine].astype(float), truth[fine])
-        told = library.uncertainty(seen[:1])[0]
+        told = 1000 * library.uncertainty(seen[:1])[0]
         show = [j for j in range(14) if j not in hidden]
         subject = motion.subject[fine]
         figures = [
@@ -187,40 +192,19 @@ def partial(library: Library, motion: Motion) -> str:
     return table("", titles, rows)
 
 
-def evaluate(library: Library, motion: Motion) -> dict[str, str]:
-    """Tables by the name of their marks."""
+def evaluate(library: Library, motion: Motion, manifest: dict[str, Any]) -> Tables:
     columns = views(motion.joints)
     figures = quality_figures(library, columns)
     return {
-        "sizes": sizes(library, motion, columns),
+        "sizes": sizes(library, motion, columns, manifest),
         "quality": deciles(figures),
         "kept": kept(figures) + "\n" + by_person(figures, motion.subject),
         "partial": partial(library, motion),
     }
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
-    parser.add_argument("--model", default="fconn_f32")
-    parser.add_argument("--update", type=Path, help="Markdown file with marks for the tables")
-    parser.add_argument("--quick", action="store_true", help="every 20th pose")
-    args = parser.parse_args()
-    try:
-        motion, library = load_motion(args.motion), Library(args.model)
-    except (MocapError, OSError, ValueError) as error:
-        print(f"body: {error}", file=sys.stderr)
-        return 1
-    if args.quick:
-        motion = motion.take(np.arange(0, len(motion.joints), 20))
-    for name, text in evaluate(library, motion).items():
-        print(text)
-        if args.update:
-            markdown.write(args.update, name, text)
-    return 0
+def tables(args: argparse.Namespace) -> Tables:
+    return evaluate(*load(args), read_manifest(base_model(args)))
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+EVALUATION = Evaluation(__doc__, tables)

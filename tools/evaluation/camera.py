@@ -1,26 +1,27 @@
-"""How well poses are placed before the camera, where the truth is known: Markdown.
+"""How well poses are placed before the camera, where the truth is known.
 
-    run.py evaluation.camera TEST.npz [--model fconn_f32] [--update docs/camera.md] [--quick]
+    evaluate.py camera TEST.npz [--model fconn_f32] [--update docs/camera.md] [--quick]
 
-Poses are seen by the virtual cameras of tools/evaluate.py, exactly (gt) and as by a detector (cpm),
-and are either the true ones or lifted.  The root is mid-hip.  The rotation of a lifted pose is
-compared with the one that aligns it with the truth.  A figure is the mean over subjects of their
-means.  Poses that get no place are counted, and left out.
+Poses are seen exactly (gt) and as by a detector (cpm), and are either the true ones or lifted.  The
+root is mid-hip.  The rotation of a lifted pose is compared with the one that aligns it with the
+truth.  A figure is the mean over subjects of their means.  Poses that cannot be placed are counted,
+and left out.
 """
 
 import argparse
-import sys
-from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
 
 from data import cameras
-from data.mocap import MocapError, Motion, load_motion
+from data.mocap import Motion
+from data.views import Column, views
 from edmlift.joints import mid_hip
 from edmlift.library import Library, Placements
-from evaluation.accuracy import Column, by_subject, table, views
-from reports import markdown
+from edmlift.metrics import procrustes
+from evaluation.command import Evaluation, Tables, load
+from evaluation.measures import by_subject
+from reports.markdown import table
 
 COLUMNS = ("gt", "cpm")
 INTRINSICS = (cameras.FOCAL, cameras.FOCAL, cameras.CENTRE, cameras.CENTRE)
@@ -42,12 +43,11 @@ ROWS = {
 
 
 def rotation_between(points: np.ndarray, onto: np.ndarray) -> np.ndarray:
-    """Rotations [F,3,3] that turn points [F,14,3] best onto others."""
-    points = points - points.mean(1, keepdims=True)
-    onto = onto - onto.mean(1, keepdims=True)
-    u, _, vt = np.linalg.svd(np.einsum("fni,fnj->fij", onto, points))
-    u[:, :, 2] *= np.sign(np.linalg.det(u @ vt))[:, None]
-    return u @ vt
+    """Rotations [F,3,3] that align points [F,14,3] best with others."""
+    centred = points - points.mean(1, keepdims=True)
+    aligned = procrustes(points, onto)
+    rows = np.linalg.pinv(centred) @ (aligned - aligned.mean(1, keepdims=True))
+    return rows.swapaxes(1, 2)
 
 
 def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -104,9 +104,8 @@ def evaluate(library: Library, motion: Motion) -> dict[str, dict[str, float | in
         result[f"true pose, {name}"] = evaluate_poses(library, rooted, column, motion.subject)
         lifted = library.lift(column.keypoints)
         fine = lifted.status == "ok"
-        part = Column(column.keypoints[fine], column.seen[fine], column.truth[fine])
         result[f"lifted, {name}"] = evaluate_poses(
-            library, lifted.joints[fine], part, motion.subject[fine]
+            library, lifted.joints[fine], column.take(fine), motion.subject[fine]
         )
     return result
 
@@ -124,28 +123,8 @@ def report(figures: dict[str, dict[str, float | int]]) -> str:
     return "\n".join(parts)
 
 
-def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
-    parser.add_argument("--model", default="fconn_f32")
-    parser.add_argument("--update", type=Path, help="Markdown file with marks for the tables")
-    parser.add_argument("--quick", action="store_true", help="every 20th pose")
-    args = parser.parse_args(arguments)
-    try:
-        motion, library = load_motion(args.motion), Library(args.model)
-    except (MocapError, OSError, ValueError) as error:
-        print(f"camera: {error}", file=sys.stderr)
-        return 1
-    if args.quick:
-        motion = motion.take(np.arange(0, len(motion.joints), 20))
-    text = report(evaluate(library, motion))
-    print(text, end="")
-    if args.update:
-        markdown.write(args.update, "camera", text)
-    return 0
+def tables(args: argparse.Namespace) -> Tables:
+    return {"camera": report(evaluate(*load(args)))}
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+EVALUATION = Evaluation(__doc__, tables)

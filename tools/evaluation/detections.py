@@ -1,43 +1,45 @@
 """Lifts the detections of examples/data/detections and says how far off they are.
 
-    run.py evaluation.detections [--update docs/detections.md] [--picture docs/detections.png]
+    evaluate.py detections [--update docs/detections.md] [--picture docs/detections.png]
 
 Four cameras see one man walk on a beam: his joints, triangulated from the detections of all four,
 are the reference for what is lifted from each.  BlazePose's own 3D is measured beside it.
 """
 
 import argparse
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 
 import draw
 from data.paths import EXAMPLES
 from data.triangulate import read_cameras, triangulate
 from edmlift.joints import MIRROR, mid_hip
 from edmlift.library import Library
-from edmlift.metrics import rigid_errors
-from evaluation.accuracy import scaled_errors, table
-from reports import markdown
+from edmlift.metrics import joint_errors, rigid_errors
+from evaluation.command import Evaluation, Tables
+from evaluation.measures import MIRROR_IMAGE
+from reports.markdown import table
+from reports.plots import shrink
 
 DATA = EXAMPLES / "detections"
 CAMERAS = DATA / "beam_cameras.json"
 FORMAT = "blazepose33"
 KEYPOINTS = 33
 SURE = 0.5  # visibility
+SCALED = "similarity"  # alignment with scale
 BEAM = ("beam1", "beam2", "beam3", "beam4")
 SIZES = {"street": (1768, 994)}  # those of the beam's cameras are in their file
 DRAWN = ((0, 2), (0, 8), (1, 8), (1, 12), (2, 2), (3, 12))  # view, frame
 
 # Each keypoint's counterpart on the other side.
-PAIRS = ((1, 4), (2, 5), (3, 6), (7, 8), (9, 10), *((i, i + 1) for i in range(11, KEYPOINTS, 2)))
+SIDE_PAIRS = ((1, 4), (2, 5), (3, 6), (7, 8), (9, 10))  # of the face; then the body's
+SIDE_PAIRS += tuple((i, i + 1) for i in range(11, KEYPOINTS, 2))
 SWAPPED = np.arange(KEYPOINTS)
-for left, right in PAIRS:
+for left, right in SIDE_PAIRS:
     SWAPPED[[left, right]] = right, left
-LIMBS = [*range(11, 17), *range(23, 29)]  # shoulders to wrists, hips to ankles
+LIMB_KEYPOINTS = [*range(11, 17), *range(23, 29)]  # shoulders to wrists, hips to ankles
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ class Clip:
     sure: np.ndarray  # [F,14,3] of those of the detector's keypoints alone that it is sure of
     world: np.ndarray  # [F,14,3] BlazePose's 3D, metres, camera axes
     truth: np.ndarray  # [F,14,3] triangulated, metres, camera axes, from the camera; else NaN
-    exchanged: np.ndarray  # [F] the detector took left for right, as the other views show
+    swapped: np.ndarray  # [F] the detector took left for right, as the other views show
     camera: tuple[float, ...] = ()  # focal length and centre, x and y, pixels, where known
 
 
@@ -82,8 +84,8 @@ def adapt(library: Library, keypoints: np.ndarray) -> tuple[np.ndarray, np.ndarr
 def read_street(library: Library) -> Clip:
     keypoints, world = read("street", SIZES["street"])
     unknown = np.full((len(world), 14, 3), np.nan)
-    exchanged = np.zeros(len(world), bool)
-    return Clip(*adapt(library, keypoints), joints_3d(library, world), unknown, exchanged)
+    swapped = np.zeros(len(world), bool)
+    return Clip(*adapt(library, keypoints), joints_3d(library, world), unknown, swapped)
 
 
 def read_beam(library: Library) -> tuple[dict[str, Clip], np.ndarray]:
@@ -92,7 +94,7 @@ def read_beam(library: Library) -> tuple[dict[str, Clip], np.ndarray]:
     views = read_cameras(CAMERAS)
     found = [read(name, view.size) for name, view in zip(BEAM, views, strict=True)]
     seen = np.stack([keypoints for keypoints, _ in found])
-    points, exchanged, errors = triangulate(views, seen[..., :2], seen[..., 2], SWAPPED)
+    points, swapped, errors = triangulate(views, seen[..., :2], seen[..., 2], SWAPPED)
     truth = joints_3d(library, points)
     clips = {
         name: Clip(
@@ -103,15 +105,15 @@ def read_beam(library: Library) -> tuple[dict[str, Clip], np.ndarray]:
             (*view.focal, *view.centre),
         )
         for name, view, (keypoints, world), mistaken in zip(
-            BEAM, views, found, exchanged, strict=True
+            BEAM, views, found, swapped, strict=True
         )
     }
-    return clips, errors[:, :, LIMBS]
+    return clips, errors[:, :, LIMB_KEYPOINTS]
 
 
-def put_right(joints: np.ndarray, exchanged: np.ndarray) -> np.ndarray:
-    """Exchanges left and right of joints [F,14,D] where they are exchanged."""
-    return np.where(exchanged[:, None, None], joints[:, MIRROR], joints)
+def put_right(joints: np.ndarray, swapped: np.ndarray) -> np.ndarray:
+    """Swaps left and right of joints [F,14,D] where the detector had swapped them."""
+    return np.where(swapped[:, None, None], joints[:, MIRROR], joints)
 
 
 def millimetres(errors: np.ndarray) -> float:
@@ -127,7 +129,7 @@ def measure(library: Library, clip: Clip) -> dict[str, float | int]:
         "frames": len(fine),
         "refused": int((~fine).sum()),
         "lift_world": millimetres(rigid_errors(joints, world)),
-        "lift_world_scaled": millimetres(scaled_errors(joints, world)),
+        "lift_world_scaled": millimetres(joint_errors(joints, world, SCALED)),
     }
     if np.isfinite(clip.truth).all():
         figures |= _against_truth(library, clip)
@@ -135,43 +137,37 @@ def measure(library: Library, clip: Clip) -> dict[str, float | int]:
 
 
 def _against_truth(library: Library, clip: Clip) -> dict[str, float | int]:
-    keypoints, sure = (put_right(k, clip.exchanged) for k in (clip.keypoints, clip.sure))
+    keypoints, sure = (put_right(k, clip.swapped) for k in (clip.keypoints, clip.sure))
     detected, right, of_sure = (
         library.lift(k).joints.astype(float) for k in (clip.keypoints, keypoints, sure)
     )
-    world = put_right(clip.world, clip.exchanged)
+    world = put_right(clip.world, clip.swapped)
     placed = library.place(right, keypoints, clip.camera).joints.astype(float)
     chosen = rigid_errors(right, clip.truth).mean(1)
-    other = rigid_errors(right * [1, 1, -1], clip.truth).mean(1)
+    other = rigid_errors(right * MIRROR_IMAGE, clip.truth).mean(1)
     distance = mid_hip(placed)[:, 2] / mid_hip(clip.truth)[:, 2] - 1
     return {
-        "exchanged": int(clip.exchanged.sum()),
+        "swapped": int(clip.swapped.sum()),
         "lift": millimetres(rigid_errors(detected, clip.truth)),
         "world": millimetres(rigid_errors(clip.world, clip.truth)),
         "lift_right": millimetres(chosen),
         "lift_sure": millimetres(rigid_errors(of_sure, clip.truth)),
-        "lift_right_scaled": millimetres(scaled_errors(right, clip.truth)),
+        "lift_right_scaled": millimetres(joint_errors(right, clip.truth, SCALED)),
         "lift_right_worst": millimetres(chosen.max()),
-        "lift_right_axes": millimetres(_rooted_errors(right, clip.truth)),
-        "placed_axes": millimetres(_rooted_errors(placed, clip.truth)),
+        "lift_right_axes": millimetres(joint_errors(right, clip.truth, "root")),
+        "placed_axes": millimetres(joint_errors(placed, clip.truth, "root")),
         "placed_distance": 100 * float(np.abs(distance).mean()),
         "mirror": 100 * float((chosen <= other).mean()),
         "world_right": millimetres(rigid_errors(world, clip.truth)),
-        "world_right_scaled": millimetres(scaled_errors(world, clip.truth)),
-        "world_right_axes": millimetres(_rooted_errors(world, clip.truth)),
+        "world_right_scaled": millimetres(joint_errors(world, clip.truth, SCALED)),
+        "world_right_axes": millimetres(joint_errors(world, clip.truth, "root")),
     }
-
-
-def _rooted_errors(poses: np.ndarray, truth: np.ndarray) -> np.ndarray:
-    """Joint errors [F,14] with nothing but the middles of the hips laid together."""
-    offset = (poses - mid_hip(poses)[:, None]) - (truth - mid_hip(truth)[:, None])
-    return np.linalg.norm(offset, axis=-1)
 
 
 ROWS = {
     "frames": "frames",
     "refused": "refused",
-    "exchanged": "frames with left and right exchanged by the detector",
+    "swapped": "frames with left and right swapped by the detector",
     "lift": "**lift**",
     "world": "BlazePose's 3D",
     "lift_right": "**lift, sides put right**",
@@ -207,33 +203,25 @@ def picture(library: Library, clips: dict[str, Clip], path: Path) -> None:
     frames = [len(clips[BEAM[0]].keypoints) * view + frame for view, frame in DRAWN]
     title = "edmlift: detections of BlazePose, lifted, and triangulated from four cameras"
     draw.draw_sheet(keypoints, poses.joints, poses.status, path, truth, title, frames)
-    sheet = Image.open(path).convert("RGB")
-    sheet.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+    shrink(path, path, colours=256)
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--model", default="fconn_f32")
-    parser.add_argument("--update", type=Path, help="Markdown file with marks for the table")
+def options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--model", default="fconn_f32", help="(%(default)s)")
     parser.add_argument("--picture", type=Path, help="where to draw a few frames")
-    args = parser.parse_args()
+
+
+def tables(args: argparse.Namespace) -> Tables:
     library = Library(args.model)
     clips, errors = read_beam(library)
     figures = {
         name: measure(library, clip)
         for name, clip in (clips | {"street": read_street(library)}).items()
     }
-    text = report(figures)
-    print(text, end="")
-    print(f"\nreference: {np.median(errors):.1f} pixels from the detections (median)")
-    if args.update:
-        markdown.write(args.update, "detections", text)
+    pixels = f"reference: {np.median(errors):.1f} pixels from the detections (median)\n"
     if args.picture:
         picture(library, clips, args.picture)
-    return 0
+    return {"detections": report(figures), "reference": pixels}
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+EVALUATION = Evaluation(__doc__, tables, options)

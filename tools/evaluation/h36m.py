@@ -1,11 +1,11 @@
 """The paper's protocols on Human3.6M and HumanEva-I, for who holds them (docs/licensed.md).
 
-    run.py evaluation.h36m h36m data_3d_h36m.npz --cameras h36m_dataset.py --protocol 3 [--model fconn]
-    run.py evaluation.h36m humaneva data_3d_humaneva15.npz --cameras humaneva_dataset.py
-    run.py evaluation.h36m ... --train [--recipe paper]     trains on the protocol's training people first
+    evaluate.py h36m h36m data_3d_h36m.npz --cameras h36m_dataset.py --protocol 3 [--model fconn]
+    evaluate.py h36m humaneva data_3d_humaneva15.npz --cameras humaneva_dataset.py
+    evaluate.py h36m ... --train [--recipe paper]    trains on the protocol's training people first
 
-Prints the error in mm of each action, of exact, noisy and incomplete 2D, through the C library, and
-the paper's own figures below.  The error is the mean distance of the 14 joints after the best
+Prints the error in mm of each action, of exact, noisy and incomplete 2D, and the paper's own
+figures below.  The error is the mean distance of the 14 joints after the best
 rotation and translation, without scale, in every protocol (section 4: "rigidly aligning"); a figure
 is the mean over frames of an action, the average that over actions (HumanEva: over people).
 """
@@ -22,12 +22,15 @@ from tqdm import tqdm
 
 from data import h36m
 from data.h36m import Camera, Layout, Sequences
-from data.mocap import MocapError, Motion, Settings, Trial, clean, save_motion
+from data.mocap import Cleaning, MocapError, Motion, Trial, clean, save_motion
 from data.paths import ROOT
+from data.views import SEED, Column, conditions
 from edmlift.library import Library
 from edmlift.metrics import rigid_errors
-from evaluation.accuracy import SEED, Column, conditions, rounded, table
-from export.cli import main as export_weights
+from evaluation.command import Evaluation, Tables, base_model
+from evaluation.measures import rounded
+from export.build import build_library
+from reports.markdown import table
 
 HEAD_LAYOUT = "h36m17_right_first"  # the adapter for the head that both data sets have
 
@@ -156,7 +159,7 @@ HUMANEVA = Protocol(
         ),
     ),
 )
-H36M = {1: FIRST, 2: SECOND, 3: THIRD}
+H36M_PROTOCOLS = {1: FIRST, 2: SECOND, 3: THIRD}
 
 
 # What a protocol takes of a data set
@@ -216,14 +219,14 @@ def to_motion(taken: list[Taken], frames: list[np.ndarray], source: str) -> Moti
     )
 
 
-def training_motion(data: Sequences, protocol: Protocol, settings: Settings) -> Motion:
+def training_motion(data: Sequences, protocol: Protocol, cleaning: Cleaning) -> Motion:
     """The training people, thinned as all motion capture is."""
     taken = take(data, protocol.train, protocol)
     trials = [
         Trial(t.joints, np.zeros(len(t.joints), bool), protocol.layout.fps)
         for t in tqdm(taken, desc="thin", disable=None)
     ]
-    return to_motion(taken, [clean(t, settings) for t in trials], protocol.layout.name)
+    return to_motion(taken, [clean(t, cleaning) for t in trials], protocol.layout.name)
 
 
 def test_motion(data: Sequences, protocol: Protocol) -> Motion:
@@ -243,7 +246,7 @@ class Views:
     columns: list[str]
 
 
-def see(motion: Motion, rig: dict[str, list[Camera]], protocol: Protocol) -> Views:
+def project(motion: Motion, rig: dict[str, list[Camera]], protocol: Protocol) -> Views:
     """The poses before the protocol's cameras."""
     truth, exact, column = [], [], []
     people = {number_of(s): s.rpartition("/")[2] for s in protocol.test}
@@ -359,60 +362,38 @@ def report(figures: dict, views: Views, protocol: Protocol) -> str:
 
 
 def train(motion: Path, recipe: str, epochs: int | None, out: Path) -> Library:
-    """Weights of a motion file, and the library with them as edml_fconn_f32."""
-    weights, folder = out / "fconn.npz", out / "library"
+    """Trains on a motion file, and builds the library with the weights as its only model."""
+    weights = out / "trained.npz"
     options = [] if epochs is None else ["--epochs", str(epochs)]
     program = [sys.executable, str(ROOT / "tools" / "train.py"), str(motion), "--recipe", recipe]
     if subprocess.run([*program, "--out", str(weights), *options]).returncode:
         raise MocapError("training failed")
-    return build_library(weights, folder)
-
-
-def build_library(weights: Path, folder: Path) -> Library:
-    """The C library with other weights, compiled into a folder."""
-    folder.mkdir(parents=True, exist_ok=True)
-    if export_weights([str(weights), "--out", str(folder / "fconn_f32.h")]):
-        raise MocapError(f"{weights}: cannot be exported")
-    model = folder / "model_fconn_f32.c"
-    model.write_text('#include "model.h"\n\n#include "fconn_f32.h"\n')
-    sources = [s for s in sorted((ROOT / "lib").glob("*.c")) if s.name != model.name]
-    library = folder / "libedmlift.so"
-    flags = ["-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC", f"-I{folder}"]
-    paths = [f"-I{ROOT / 'include'}", f"-I{ROOT / 'lib'}", *map(str, [*sources, model])]
-    try:
-        subprocess.run(["cc", *flags, *paths, "-o", str(library), "-lm"], check=True)
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise MocapError(f"the library does not compile ({error})") from None
-    return Library("fconn_f32", library)
+    return build_library(weights, out / "library")
 
 
 # The command
 
 
-def arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("data_set", choices=("h36m", "humaneva"))
     parser.add_argument("positions", type=Path, help="VideoPose3D's data_3d_*.npz")
     parser.add_argument("--cameras", type=Path, required=True, help="its *_dataset.py, or JSON")
-    parser.add_argument("--protocol", type=int, choices=H36M, help="of h36m")
+    parser.add_argument("--protocol", type=int, choices=H36M_PROTOCOLS, help="of h36m")
     parser.add_argument("--action", help="this one alone, as the data set names it")
-    parser.add_argument("--model", default="fconn", help="its name without _f32 (%(default)s)")
+    parser.add_argument("--model", default="fconn_f32", help="(%(default)s)")
     parser.add_argument("--train", action="store_true", help="a model on the training people")
     parser.add_argument("--recipe", default="mds", help="of train.py (%(default)s)")
     parser.add_argument("--epochs", type=int, help="in all, instead of the recipe's")
     parser.add_argument(
         "--out", type=Path, help="folder for table.md, train.npz, test.npz (build/licensed/...)"
     )
-    args = parser.parse_args(argv)
-    if (args.data_set == "h36m") != (args.protocol is not None):
-        parser.error("--protocol 1, 2 or 3 goes with h36m, and only with it")
-    return args
 
 
 def chosen_protocol(args: argparse.Namespace) -> Protocol:
-    protocol = HUMANEVA if args.data_set == "humaneva" else H36M[args.protocol]
+    """The protocol of the options, with one action if they name one."""
+    if (args.data_set == "h36m") != (args.protocol is not None):
+        raise ValueError("--protocol 1, 2 or 3 goes with h36m, and only with it")
+    protocol = HUMANEVA if args.data_set == "humaneva" else H36M_PROTOCOLS[args.protocol]
     if args.action is None:
         return protocol
     if args.action not in protocol.actions:
@@ -420,37 +401,26 @@ def chosen_protocol(args: argparse.Namespace) -> Protocol:
     return replace(protocol, actions={args.action: protocol.actions[args.action]})
 
 
-def run(args: argparse.Namespace) -> str:
+def tables(args: argparse.Namespace) -> Tables:
     """The table; leaves it, and the motion of both sides, in the folder."""
     protocol = chosen_protocol(args)
     rig = h36m.read_cameras(args.cameras, protocol.layout)
     data = h36m.read_positions(args.positions, protocol.layout)
-    tested, settings = test_motion(data, protocol), Settings()
-    views = see(tested, rig, protocol)
+    tested, cleaning = test_motion(data, protocol), Cleaning()
+    views = project(tested, rig, protocol)
     name = [args.data_set, *([str(args.protocol)] if args.protocol else []), args.action or "all"]
     out = args.out or ROOT / "build" / "licensed" / "_".join(name)
     out.mkdir(parents=True, exist_ok=True)
     save_motion(tested, out / "test.npz", protocol.layout.fps / protocol.every)
-    save_motion(training_motion(data, protocol, settings), out / "train.npz", settings.fps)
+    save_motion(training_motion(data, protocol, cleaning), out / "train.npz", cleaning.fps)
     if args.train:
         library = train(out / "train.npz", args.recipe, args.epochs, out)
     else:
-        library = Library(f"{args.model}_f32")
+        library = Library(f"{base_model(args)}_f32")
     figures = rounded(evaluate(library, views, adapted=not args.train))
     text = report(figures, views, protocol)
     (out / "table.md").write_text(text)
-    return text
+    return {"h36m": text}
 
 
-def main(argv: list[str] | None = None) -> int:
-    args = arguments(argv)
-    try:
-        print(run(args), end="")
-    except (MocapError, OSError, ValueError) as error:
-        print(f"h36m: {error}", file=sys.stderr)
-        return 1
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+EVALUATION = Evaluation(__doc__, tables, options)

@@ -1,31 +1,30 @@
-"""The rules that choose the mirror image, side by side: Markdown.
+"""The rules that choose the mirror image, side by side.
 
-    run.py evaluation.mirror TEST.npz [--model fconn_f32] [--update docs/accuracy.md] [--quick]
+    evaluate.py mirror TEST.npz [--model fconn_f32] [--update docs/accuracy.md] [--quick]
 
-Through the C library: the linear score of lib/mirror.inc, and the joint limits of lib/limits.inc,
-which turn what the score has chosen where the mirror image has fewer bones beyond them.  On true
-poses, on true poses with noise, and on what the network makes of exact 2D, of noise of 20 pixels
-and of a detector's (views of tools/evaluate.py).  Errors and means are those of evaluate.py.
+The linear score chooses first (lib/lift/mirror.h); the joint limits then reflect its choice where
+the mirror image violates fewer of them (lib/optional/joint_limits.h).  Measured on true poses, on
+true poses with noise, and on what the network makes of exact 2D, of noise of 20 pixels and of a
+detector's noise.
 """
 
 import argparse
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
 
-from data.mocap import MocapError, Motion, load_motion
+from data.mocap import Motion
+from data.views import SEED, Column, views
 from edmlift.joints import mid_hip
 from edmlift.library import Library
-from edmlift.metrics import rigid_errors
-from evaluation.accuracy import SEED, Column, by_subject, table, views
-from reports import markdown
+from evaluation.command import Evaluation, Tables, load
+from evaluation.measures import MIRROR_IMAGE, by_subject, mean_errors
+from reports.markdown import Figure, table
 
 NOISE = 0.030  # metres, each coordinate of a joint
 SAME = 1e-3  # mm: errors of one and the same pose
-# Columns of evaluate.py.
+# Columns of data/views.py.
 NETWORK = {"network, exact 2D": "gt", "network, 20 px": "n20", "network, detector": "cpm"}
 RULES = ("by chance", "joint limits, else by chance", "linear score",
          "joint limits, else linear score", "better mirror image")  # fmt: skip
@@ -34,17 +33,15 @@ SCORE, LIMITS = RULES[2], RULES[3]
 
 @dataclass(frozen=True)
 class Choices:
-    """Of F poses: the error in mm of the one that the linear score chose, of its mirror image, and
-    of what the joint limits then choose; how many bones fewer that has beyond the limits; how many
-    it has; whose pose it is, and what it does."""
+    """What the rules make of F poses; errors are in mm."""
 
-    error: np.ndarray
-    mirrored: np.ndarray
-    by_limits: np.ndarray
-    fewer: np.ndarray
-    beyond: np.ndarray
-    subject: np.ndarray
-    action: np.ndarray
+    error: np.ndarray  # [F] of the one that the linear score chose
+    mirrored: np.ndarray  # [F] of its mirror image
+    by_limits: np.ndarray  # [F] of what the joint limits then choose
+    fewer: np.ndarray  # [F] by how many violations that has fewer than its mirror image
+    violations: np.ndarray  # [F] how many it has
+    subject: np.ndarray  # [F]
+    action: np.ndarray  # [F]
 
     def take(self, which: np.ndarray) -> "Choices":
         return Choices(**{name: values[which] for name, values in vars(self).items()})
@@ -55,19 +52,20 @@ class Choices:
 
 
 def choose(library: Library, joints: np.ndarray, truth: np.ndarray, motion: Motion) -> Choices:
-    """Of poses [F,14,3], as the linear score chose them, and the truth [F,14,3]; of those only
-    that are not NaN."""
+    """The choices for poses [F,14,3], as the linear score chose them; those that are NaN are left
+    out.  truth [F,14,3]."""
     fine = np.isfinite(joints).all((1, 2))
     joints, truth = joints[fine].astype(float), truth[fine]
-    turned, fewer = library.mirror_by_limits(joints)
-
-    def mean_error(poses: np.ndarray) -> np.ndarray:
-        return 1000 * rigid_errors(poses.astype(float), truth).mean(1)
-
+    reflected, fewer = library.reflect_by_joint_limits(joints)
     return Choices(
-        mean_error(joints), mean_error(joints * [1, 1, -1]), mean_error(turned),
-        fewer, library.limits(turned), motion.subject[fine], motion.action[fine],
-    )  # fmt: skip
+        mean_errors(joints, truth),
+        mean_errors(joints * MIRROR_IMAGE, truth),
+        mean_errors(reflected.astype(float), truth),
+        fewer,
+        library.joint_limits(reflected),
+        motion.subject[fine],
+        motion.action[fine],
+    )
 
 
 def scored(library: Library, joints: np.ndarray) -> np.ndarray:
@@ -110,24 +108,24 @@ def rules_table(found: dict[str, Choices]) -> str:
     of = {name: rules(c) for name, c in found.items()}
     heads = [head for name in of for head in (f"{name}: %", "mm")]
     rows = {rule: [value for name in of for value in of[name][rule]] for rule in RULES}
-    turned = [int((np.abs(c.by_limits - c.error) > SAME).sum()) for c in found.values()]
+    reflected = [int((np.abs(c.by_limits - c.error) > SAME).sum()) for c in found.values()]
     undecided = [int((c.fewer == 0).sum()) for c in found.values()]
-    for title, counts in (("turned", turned), ("undecided", undecided)):
+    for title, counts in (("reflected", reflected), ("undecided", undecided)):
         rows[f"joint limits: poses {title}"] = [cell for n in counts for cell in (n, None)]
     return table("", heads, rows)
 
 
-def beyond_table(found: dict[str, Choices]) -> str:
-    """Poses and their mean errors, by how many bones they have beyond the limits once chosen."""
+def violations_table(found: dict[str, Choices]) -> str:
+    """Poses and their mean errors, by how many joint limits they violate once chosen."""
     rows = {}
     for name, c in found.items():
         rows[name] = [
             cell
-            for which in (c.beyond == 0, c.beyond == 1, c.beyond >= 2)
+            for which in (c.violations == 0, c.violations == 1, c.violations >= 2)
             for cell in (int(which.sum()), c.by_limits[which].mean() if which.any() else None)
         ]
     heads = [head for bones in ("none", "one", "more") for head in (f"{bones}: poses", "mm")]
-    return table("bones beyond", heads, rows)
+    return table("violations", heads, rows)
 
 
 def actions_table(found: dict[str, Choices], names: tuple[str, ...]) -> str:
@@ -140,7 +138,7 @@ def actions_table(found: dict[str, Choices], names: tuple[str, ...]) -> str:
     for action in np.unique(found[name].action):
         of = {key: c.take(c.action == action) for key, c in found.items()}
         last = of[name]
-        cells: list[float | int] = [len(last.error), len(np.unique(last.subject))]
+        cells: list[Figure] = [len(last.error), len(np.unique(last.subject))]
         for c in of.values():
             cells += [rules(c)[rule][0] for rule in (SCORE, LIMITS)]
         cells += [rules(last)[rule][1] for rule in (SCORE, LIMITS)]
@@ -148,38 +146,17 @@ def actions_table(found: dict[str, Choices], names: tuple[str, ...]) -> str:
     return table("", heads, rows)
 
 
-def evaluate(library: Library, motion: Motion) -> dict[str, str]:
-    """The tables, by the names of their marks."""
+def evaluate(library: Library, motion: Motion) -> Tables:
     found = choices(library, motion)
     return {
         "mirror": rules_table(found),
-        "beyond": beyond_table(found),
+        "violations": violations_table(found),
         "mirror_actions": actions_table(found, motion.action_names),
     }
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
-    parser.add_argument("--model", default="fconn_f32")
-    parser.add_argument("--update", type=Path, help="Markdown file with marks for the tables")
-    parser.add_argument("--quick", action="store_true", help="every 20th pose")
-    args = parser.parse_args()
-    try:
-        motion = load_motion(args.motion)
-        if args.quick:
-            motion = motion.take(np.arange(0, len(motion.joints), 20))
-        tables = evaluate(Library(args.model), motion)
-        print("\n".join(tables.values()))
-        if args.update:
-            markdown.write_those(args.update, tables)
-    except (MocapError, OSError, ValueError) as error:
-        print(f"mirror: {error}", file=sys.stderr)
-        return 1
-    return 0
+def tables(args: argparse.Namespace) -> Tables:
+    return evaluate(*load(args))
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+EVALUATION = Evaluation(__doc__, tables)

@@ -1,8 +1,8 @@
 """Reprojection error by body part of poses lifted from annotated images: the paper's LSP table.
 
-    run.py evaluation.reproject joints.mat                        LSP's annotations
-    run.py evaluation.reproject ANNOTATED.csv --size 1920 1080    28 or 42 numbers a line, as lift_stdin reads
-    run.py evaluation.reproject ANNOTATED --detections DETECTED   lifts from a detector's joints instead
+    evaluate.py reproject joints.mat                        LSP's annotations
+    evaluate.py reproject ANNOTATED.csv --size 1920 1080    28 or 42 numbers a line (lift_stdin's)
+    evaluate.py reproject ANNOTATED --detections DETECTED   lifts from a detector's joints instead
 
 Each pose is lifted, placed before a camera whose focal length is swept for, and seen by it; the
 error is the mean distance in pixels from the annotated joints.  Without --size the image is taken
@@ -18,9 +18,11 @@ import scipy.io
 
 from edmlift.joints import JOINTS, indices
 from edmlift.library import Library, Placements
+from evaluation.command import Evaluation, Tables
+from reports.markdown import table
 
 # LSP's order: the right leg from the ankle up, the left one from the hip down, the arms likewise
-# from the right wrist to the left, neck, head top.  Of each of our joints, its index there.
+# from the right wrist to the left, neck, head top.  The index there of each of our joints:
 LSP = [13, 12, 8, 7, 6, 9, 10, 11, 2, 1, 0, 3, 4, 5]
 
 PARTS = {
@@ -84,7 +86,7 @@ def frame(keypoints: np.ndarray, size: tuple[float, float] | None) -> tuple[np.n
     return low - around, high - low + 2 * around
 
 
-def see(placed: Placements, size: np.ndarray) -> np.ndarray:
+def project(placed: Placements, size: np.ndarray) -> np.ndarray:
     """Where the joints of placements are seen [F,14,2], in images of these sizes [F,2]."""
     at = placed.joints[..., :2] / placed.joints[..., 2:]
     return placed.focal[:, None, None] * at + size[:, None] / 2
@@ -109,50 +111,39 @@ def reproject(
     lifted = library.lift(moved)
     placed = library.place_sweep(np.nan_to_num(lifted.joints), moved, sizes)
     status = np.where(lifted.status == "ok", placed.status, lifted.status)
-    points = see(placed, sizes) + corner[:, None]
+    points = project(placed, sizes) + corner[:, None]
     return np.where((status == "ok")[:, None, None], points, np.nan), status
 
 
 def report(rows: dict[str, dict[str, float]]) -> str:
     columns = [*PARTS, "mean"]
-    lines = ["| pixels | " + " | ".join(columns) + " |", "|---" + "|--:" * len(columns) + "|"]
-    lines += [
-        f"| {title} | " + " | ".join(f"{row[c]:.2f}" for c in columns) + " |"
-        for title, row in rows.items()
-    ]
-    return "\n".join(lines) + "\n"
+    cells = {title: [f"{row[c]:.2f}" for c in columns] for title, row in rows.items()}
+    return table("pixels", columns, cells)
 
 
-def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("annotated", type=Path, help=".mat of LSP's layout, or lines of numbers")
     parser.add_argument("--detections", type=Path, help="a detector's joints of the same images")
     parser.add_argument("--size", type=float, nargs=2, metavar=("WIDTH", "HEIGHT"))
-    parser.add_argument("--model", default="fconn_f32")
-    args = parser.parse_args(arguments)
-    try:
-        library, annotated = Library(args.model), read_keypoints(args.annotated)
-        detected = read_keypoints(args.detections) if args.detections else None
-        if detected is not None and detected.shape != annotated.shape:
-            raise ValueError(f"{len(detected)} detections of {len(annotated)} images")
-    except (OSError, ValueError) as error:
-        print(f"reproject: {error}", file=sys.stderr)
-        return 1
+    parser.add_argument("--model", default="fconn_f32", help="(%(default)s)")
+
+
+def tables(args: argparse.Namespace) -> Tables:
+    library, annotated = Library(args.model), read_keypoints(args.annotated)
+    sources = {"annotated": annotated}
+    if args.detections:
+        sources["detected"] = read_keypoints(args.detections)
+        if len(sources["detected"]) != len(annotated):
+            raise ValueError(f"{len(sources['detected'])} detections of {len(annotated)} images")
     rows = {}
-    for title, source in (("annotated", annotated), ("detected", detected)):
-        if source is None:
-            continue
+    for title, source in sources.items():
         points, status = reproject(library, source, args.size)
-        if source is detected:
+        if title == "detected":
             at = np.where(source[..., 2:] > 0, source[..., :2], np.nan)
             rows["detections"] = errors(at, annotated)
         rows[f"lifted from {title}"] = errors(points, annotated)
         print(f"{title}: {(status == 'ok').sum()} of {len(status)} poses placed", file=sys.stderr)
-    print(report(rows), end="")
-    return 0
+    return {"reproject": report(rows)}
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+EVALUATION = Evaluation(__doc__, tables, options)

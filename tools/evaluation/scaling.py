@@ -1,37 +1,35 @@
 """From distances to points: the library's ways, and the paper's relaxation with gradient descent.
 
-    run.py evaluation.scaling TEST.npz [--model fconn] [--update docs/accuracy.md] [--quick]
+    evaluate.py scaling TEST.npz [--model fconn] [--update docs/accuracy.md] [--quick]
 
-Takes what the network predicts for a sample of poses, as many of each person as there are, and
-turns it into points: by the library's classical scaling and each of its refinements, and by the
-semidefinite relaxation of eq. 2 (tools/points.py; pip install -r tools/requirements-sdp.txt).  All
-go through the library's choice of the mirror image.  Error as in tools/evaluate.py; eq. 2 is
-the mean of |d^2 - D^2| over the pairs, cm^2; "no worse" is the share of the poses where it is no
-higher than after relaxation and gradient descent, "than best" than after relaxation and the
-library's refinement of eq. 2.  Time is the median, with some microseconds of Python around each
-call.
+Takes what the network predicts for a sample of poses, as many of each person, and makes points of
+it: by the library's classical scaling and each of its refinements, and by the semidefinite
+relaxation of eq. 2 (tools/model/sdp.py; pip install -r tools/requirements-sdp.txt).  All go through
+the library's choice of the mirror image.  Eq. 2 is the mean of |d^2 - D^2| over the pairs, cm^2;
+"no worse" is the share of the poses where it is no higher than after relaxation and gradient
+descent, "than best" than after relaxation and the library's refinement of eq. 2.  Time is the
+median, with some microseconds of Python around each call.  --quick takes 21 poses.
 """
 
 import argparse
-import json
-import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 from tqdm import tqdm
 
-from data.mocap import MocapError, Motion, load_motion
-from data.paths import GEN
+from data.mocap import Motion
+from data.views import SEED, Column, views
 from edmlift.library import Library
-from edmlift.metrics import rigid_errors
-from evaluation.accuracy import SEED, Column, by_subject, table, views
+from evaluation.command import Evaluation, Tables, base_model, load
+from evaluation.measures import by_subject, mean_errors
+from model.manifest import read_manifest
 from model.sdp import Relaxation, descend
-from reports import markdown
+from reports.markdown import Figure, table
 
 COLUMNS = ("gt", "cpm")
-SAMPLE = 300  # poses
+SAMPLE, QUICK = 300, 21  # poses
 REFINEMENTS = {  # title: objective, steps
     "s-stress": ("square", 20),
     "raw stress": ("raw", 20),
@@ -48,8 +46,8 @@ def sample(subject: np.ndarray, count: int) -> np.ndarray:
     """Indices of about `count` poses, as many of each subject as it has and all have alike."""
     rng = np.random.default_rng(SEED)
     people = [np.flatnonzero(subject == s) for s in np.unique(subject)]
-    share = round(count / len(people))
-    return np.sort(np.concatenate([rng.permutation(p)[:share] for p in people]))
+    each = round(count / len(people))
+    return np.sort(np.concatenate([rng.permutation(p)[:each] for p in people]))
 
 
 def solvers(library: Library) -> dict[str, Solver]:
@@ -68,15 +66,17 @@ def solvers(library: Library) -> dict[str, Solver]:
     return ways
 
 
-def predictions(library: Library, column: Column, settings: dict) -> np.ndarray:
+def predictions(library: Library, column: Column, manifest: dict[str, Any]) -> np.ndarray:
     """Distances [F,91] in metres that the network predicts."""
-    complete = settings["missing"] == "completed"
-    limits = (settings["fewest_joints"], settings["widest"], complete)
-    edm = (library.edm(k, *limits) for k in column.keypoints)
-    return np.array([library.net(distance) for _, distance in edm])
+    impute = manifest["missing"] == "imputed"
+    settings = (manifest["fewest_joints"], manifest["max_aspect"], impute)
+    edm = (library.edm(k, *settings) for k in column.keypoints)
+    return np.array([library.predict(distance) for _, distance in edm])
 
 
-def measure(library: Library, solve: Solver, distance: np.ndarray, truth: np.ndarray) -> dict:
+def measure(
+    library: Library, solve: Solver, distance: np.ndarray, truth: np.ndarray
+) -> dict[str, np.ndarray]:
     """Figures [F] of a solver: error in mm, eq. 2 in m^2, time in ms."""
     solve(distance[0])  # the first call compiles the relaxation
     points, spent = [], []
@@ -86,7 +86,7 @@ def measure(library: Library, solve: Solver, distance: np.ndarray, truth: np.nda
         spent.append(time.perf_counter() - start)
     chosen = np.array([library.mirror(p)[0] for p in points], float)
     return {
-        "error": 1000 * rigid_errors(chosen, truth).mean(1),
+        "error": mean_errors(chosen, truth),
         "eq2": np.array(
             [library.stress(p, d, "eq2") for p, d in zip(points, distance, strict=True)]
         ),
@@ -94,31 +94,32 @@ def measure(library: Library, solve: Solver, distance: np.ndarray, truth: np.nda
     }
 
 
-def evaluate(library: Library, motion: Motion, settings: dict, count: int = SAMPLE) -> dict:
+def evaluate(
+    library: Library, motion: Motion, manifest: dict[str, Any], count: int = SAMPLE
+) -> dict[str, Any]:
     """Figures of every solver: {column: {title: {figure: [F]}}}, with the poses' "subject"."""
     which = sample(motion.subject, count)
     columns = views(motion.joints)
     ways = solvers(library)
     result = {"subject": motion.subject[which]}
     for name in COLUMNS:
-        column = columns[name]
-        part = Column(column.keypoints[which], column.seen[which], column.truth[which])
-        distance = predictions(library, part, settings)
+        part = columns[name].take(which)
+        distance = predictions(library, part, manifest)
         bar = tqdm(ways.items(), desc=f"points, {name}", disable=None)
         result[name] = {t: measure(library, solve, distance, part.truth) for t, solve in bar}
     return result
 
 
-def no_worse(way: dict, than: dict) -> float:
+def no_worse(way: dict[str, np.ndarray], than: dict[str, np.ndarray]) -> float:
     """Share of the poses, in %, in which eq. 2 is no worse."""
     return 100 * float((way["eq2"] <= than["eq2"] + SLACK).mean())
 
 
-def report(figures: dict) -> str:
+def report(figures: dict[str, Any]) -> str:
     """A row a solver."""
     subject = figures["subject"]
     heads = []
-    rows: dict[str, list] = {title: [] for title in figures[COLUMNS[0]]}
+    rows: dict[str, list[Figure]] = {title: [] for title in figures[COLUMNS[0]]}
     for name in COLUMNS:
         heads += [f"{name}: error, mm", "eq. 2, cm²", "no worse, %", "than best, %"]
         for title, way in figures[name].items():
@@ -131,27 +132,11 @@ def report(figures: dict) -> str:
     return table("points by", [*heads, "time, ms"], rows)
 
 
-def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
-    parser.add_argument("--model", default="fconn", help="its name without _f32 (%(default)s)")
-    parser.add_argument("--update", type=Path, help="Markdown file with marks for the table")
-    parser.add_argument("--quick", action="store_true", help="21 poses")
-    args = parser.parse_args(arguments)
-    try:
-        motion, library = load_motion(args.motion), Library(f"{args.model}_f32")
-        settings = json.loads((GEN / f"{args.model}.json").read_text())
-    except (MocapError, OSError, ValueError) as error:
-        print(f"scaling: {error}", file=sys.stderr)
-        return 1
-    text = report(evaluate(library, motion, settings, 21 if args.quick else SAMPLE))
-    print(text, end="")
-    if args.update:
-        markdown.write(args.update, "points", text)
-    return 0
+def tables(args: argparse.Namespace) -> Tables:
+    count, args.quick = QUICK if args.quick else SAMPLE, False
+    model = base_model(args)
+    args.model = f"{model}_f32"
+    return {"points": report(evaluate(*load(args), read_manifest(model), count))}
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+EVALUATION = Evaluation(__doc__, tables)

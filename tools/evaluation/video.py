@@ -1,17 +1,16 @@
-"""What a track makes of a video, through the C library: Markdown.
+"""What a track makes of a video.
 
-    run.py evaluation.video MOTION [--fps 30] [--model fconn_f32] [--update docs/video.md --name NAME]
-    run.py evaluation.video MOTION --noise 0    # with filters that see no difference
+    evaluate.py video MOTION [--fps 30] [--model fconn_f32] [--update docs/video.md --name NAME]
+    evaluate.py video MOTION --jitter-full 0    # with filters that always act in full
 
-MOTION is an .npz of tools/mocap.py, whose clips are the frames that follow one another within
-0.2 s, or a folder, read at --fps frames a second.  A clip is seen by four fixed cameras, exactly
-(gt) and by an imitated detector: noisy; also with joints that come and go (missing); with right
-and left exchanged now and then (exchanged); with both.  Each frame is lifted by itself, and by
+MOTION is an .npz, whose clips are the frames that follow one another within 0.2 s, or a folder of
+motion capture, read at --fps frames a second.  A clip is seen by four fixed cameras, exactly (gt)
+and by an imitated detector: noisy; also with joints that come and go (missing); with right and left
+swapped now and then (swapped); with both.  Each frame is lifted by itself, and by
 edml_track_lift().  A figure is the mean over subjects of the means of their frames.
 """
 
 import argparse
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,12 +18,14 @@ import numpy as np
 from tqdm import tqdm
 
 from data import cameras
-from data.mocap import AMC_FPS, MocapError, Motion, Settings, load_motion, read_folder
-from edmlift.joints import BONES, MIRROR, indices, mid_hip
+from data.bodies import bone_lengths
+from data.mocap import AMC_FPS, Cleaning, Motion, load_motion, read_folder
+from data.views import SEED
+from edmlift.joints import MIRROR, indices, mid_hip
 from edmlift.library import Library, Poses, Tracked
-from edmlift.metrics import rigid_errors
-from evaluation.accuracy import SEED, by_subject, table
-from reports import markdown
+from evaluation.command import Evaluation, Tables
+from evaluation.measures import MIRROR_IMAGE, by_subject, mean_errors
+from reports.markdown import Figure, table
 
 LONGEST_STEP = 0.2  # seconds between frames of a clip
 SHORTEST = 15  # frames of a clip
@@ -34,11 +35,11 @@ CAMERAS = 4
 SLOW = 0.5  # seconds, the time constant of the slow half
 HIDDEN_SHARE, HIDDEN_SECONDS = 0.05, 0.2  # of the joints' time, mean length of a spell
 MOST_HIDDEN = 4  # joints that a lift can miss
-EXCHANGED_SHARE, EXCHANGED_SECONDS = 0.04, 0.1
+SWAPPED_SHARE, SWAPPED_SECONDS = 0.04, 0.1
 
-ARMS = indices(("right_shoulder", "right_elbow", "right_wrist"))
-LEGS = indices(("right_hip", "right_knee", "right_ankle"))
-GROUPS = (ARMS + [int(MIRROR[j]) for j in ARMS], LEGS + [int(MIRROR[j]) for j in LEGS])
+RIGHT_ARM = indices(("right_shoulder", "right_elbow", "right_wrist"))
+RIGHT_LEG = indices(("right_hip", "right_knee", "right_ankle"))
+GROUPS = tuple([*side, *MIRROR[side].tolist()] for side in (RIGHT_ARM, RIGHT_LEG))
 
 
 @dataclass(frozen=True)
@@ -117,15 +118,15 @@ class View:
     """What the detector says of a clip: keypoints [F,14,3], and what it got wrong."""
 
     keypoints: np.ndarray
-    exchanged: np.ndarray  # [F,2] arms, legs
+    swapped: np.ndarray  # [F,2] arms, legs
 
 
-def exchange(keypoints: np.ndarray, exchanged: np.ndarray) -> np.ndarray:
-    """Right and left of arms and legs exchanged where [F,2] says so."""
+def swap(keypoints: np.ndarray, swapped: np.ndarray) -> np.ndarray:
+    """Right and left of arms and legs swapped where [F,2] says so."""
     out = keypoints.copy()
     for g, group in enumerate(GROUPS):
-        which = np.ix_(exchanged[:, g], group)
-        out[which] = keypoints[exchanged[:, g]][:, MIRROR[group]]
+        which = np.ix_(swapped[:, g], group)
+        out[which] = keypoints[swapped[:, g]][:, MIRROR[group]]
     return out
 
 
@@ -136,15 +137,15 @@ def views(clip: Clip, rng: np.random.Generator) -> dict[str, View]:
     hidden = spells(clip, len(MIRROR), HIDDEN_SHARE, HIDDEN_SECONDS, rng)
     hidden &= hidden.cumsum(1) <= MOST_HIDDEN
     missing = np.where(hidden[..., None], 0, noisy)
-    kind = spells(clip, 3, EXCHANGED_SHARE / 3, EXCHANGED_SECONDS, rng)  # arms, legs, all
+    kind = spells(clip, 3, SWAPPED_SHARE / 3, SWAPPED_SECONDS, rng)  # arms, legs, all
     wrong = kind[:, :2] | kind[:, 2:]
     right = np.zeros_like(wrong)
     return {
         "gt": View(cameras.keypoints(exact), right),
         "noisy": View(noisy, right),
         "missing": View(missing, right),
-        "exchanged": View(exchange(noisy, wrong), wrong),
-        "both": View(exchange(missing, wrong), wrong),
+        "swapped": View(swap(noisy, wrong), wrong),
+        "both": View(swap(missing, wrong), wrong),
     }
 
 
@@ -175,19 +176,14 @@ def squares_by_lag(joints: np.ndarray, truth: np.ndarray) -> np.ndarray:
     return sums
 
 
-def bone_lengths(joints: np.ndarray) -> np.ndarray:
-    """[F,14,3] -> [F,13] metres."""
-    return np.stack([np.linalg.norm(joints[:, a] - joints[:, b], axis=-1) for a, b in BONES], 1)
-
-
 def measure(poses: Poses, clip: Clip) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Figures [F] of a clip's poses, and their squares by lag."""
     joints = poses.joints.astype(float)
     rooted = clip.truth - mid_hip(clip.truth)[:, None]
     fine = poses.status == "ok"
     error, mirrored = (np.full(len(fine), np.nan) for _ in range(2))
-    error[fine] = 1000 * rigid_errors(joints[fine], clip.truth[fine]).mean(1)
-    mirrored[fine] = 1000 * rigid_errors(joints[fine] * [1, 1, -1], clip.truth[fine]).mean(1)
+    error[fine] = mean_errors(joints[fine], clip.truth[fine])
+    mirrored[fine] = mean_errors(joints[fine] * MIRROR_IMAGE, clip.truth[fine])
     lengths = bone_lengths(joints)
     return {
         "error": error,
@@ -200,11 +196,10 @@ def measure(poses: Poses, clip: Clip) -> tuple[dict[str, np.ndarray], np.ndarray
     }, squares_by_lag(joints, rooted)
 
 
-def exchanges(tracked: Tracked, view: View) -> dict[str, int]:
-    """Exchanges of arms and of legs, counted apart in each frame that was lifted."""
+def swaps(tracked: Tracked, view: View) -> dict[str, int]:
+    """Swaps of arms and of legs, counted separately in each frame that was lifted."""
     fine = tracked.status == "ok"
-    said = np.stack([tracked.exchanged & 1, tracked.exchanged >> 1 & 1], 1)[fine] == 1
-    true = view.exchanged[fine]
+    said, true = tracked.swapped[fine], view.swapped[fine]
     return {
         "found": int((said & true).sum()),
         "missed": int((~said & true).sum()),
@@ -222,7 +217,7 @@ ROWS = {
     "spread": "its spread over a clip, mm",
     "refused": "refused, %",
 }
-COUNTS = {"found": "exchanges found", "missed": "exchanges missed", "false": "false exchanges"}
+COUNTS = {"found": "swaps found", "missed": "swaps missed", "false": "false swaps"}
 
 
 def summarise(parts: list[tuple[dict, np.ndarray]], subject: np.ndarray) -> dict[str, float]:
@@ -235,16 +230,16 @@ def summarise(parts: list[tuple[dict, np.ndarray]], subject: np.ndarray) -> dict
     return figures
 
 
-def track(library: Library, view: View, clip: Clip, noise: float | None) -> Tracked:
-    """The frames through a track, whose setting `noise` may be another one."""
+def track(library: Library, view: View, clip: Clip, jitter_full: float | None) -> Tracked:
+    """The frames through a track, whose setting `jitter_full` may be another one."""
     follower = library.track()
-    if noise is not None:
-        follower.state["noise"] = noise
+    if jitter_full is not None:
+        follower.state["jitter_full"] = jitter_full
     return follower.lift(view.keypoints, clip.time)
 
 
 def evaluate(
-    library: Library, clips: list[Clip], seed: int = SEED, noise: float | None = None
+    library: Library, clips: list[Clip], seed: int = SEED, jitter_full: float | None = None
 ) -> dict[str, dict]:
     """Figures of each kind of detections: {column: {"alone": .., "tracked": .., count: ..}}."""
     rng = np.random.default_rng(seed)
@@ -255,9 +250,9 @@ def evaluate(
         alone, tracked, counts = [], [], []
         for clip, view in zip(clips, seen, strict=True):
             alone.append(measure(library.lift(view[name].keypoints), clip))
-            poses = track(library, view[name], clip, noise)
+            poses = track(library, view[name], clip, jitter_full)
             tracked.append(measure(poses, clip))
-            counts.append(exchanges(poses, view[name]))
+            counts.append(swaps(poses, view[name]))
         result[name] = {
             "alone": summarise(alone, subject),
             "tracked": summarise(tracked, subject),
@@ -276,7 +271,7 @@ def true_jitter(clips: list[Clip]) -> float:
 def report(figures: dict[str, dict], clips: list[Clip]) -> str:
     """A table, a column a kind of detections."""
     columns = figures.values()
-    rows = {}
+    rows: dict[str, list[Figure]] = {}
     for key, title in ROWS.items():
         for way in ("alone", "tracked"):
             rows[f"{title}: {way}"] = [float(column[way][key]) for column in columns]
@@ -290,39 +285,27 @@ def report(figures: dict[str, dict], clips: list[Clip]) -> str:
     return table("", list(figures), rows) + "\n" + said
 
 
-def load(path: Path, fps: float) -> Motion:
+def load_video(path: Path, fps: float) -> Motion:
     """An .npz, or all frames of a folder at so many a second."""
     if path.is_dir():
-        return read_folder(path, Settings(fps=fps, min_move=0.0))
+        return read_folder(path, Cleaning(fps=fps, min_move=0.0))
     return load_motion(path)
 
 
-def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
     parser.add_argument("--fps", type=float, default=30.0, help="of a folder (default: 30)")
-    parser.add_argument("--model", default="fconn_f32")
-    parser.add_argument("--noise", type=float, help="edml_track's, instead of its own setting")
-    parser.add_argument("--update", type=Path, help="Markdown file with marks for the table")
-    parser.add_argument("--name", default="video", help="of the marks (default: video)")
-    args = parser.parse_args(arguments)
-    try:
-        motion, library = load(args.motion, args.fps), Library(args.model)
-    except (MocapError, OSError, ValueError) as error:
-        print(f"video: {error}", file=sys.stderr)
-        return 1
+    parser.add_argument("--model", default="fconn_f32", help="(%(default)s)")
+    parser.add_argument("--jitter-full", type=float, help="edml_track's, instead of its default")
+    parser.add_argument("--name", default="video", help="of the marks (%(default)s)")
+
+
+def tables(args: argparse.Namespace) -> Tables:
+    motion, library = load_video(args.motion, args.fps), Library(args.model)
     clips = cut(motion, np.random.default_rng(SEED))
     if not clips:
-        print(f"video: no {SHORTEST} frames in a row", file=sys.stderr)
-        return 1
-    text = report(evaluate(library, clips, noise=args.noise), clips)
-    print(text, end="")
-    if args.update:
-        markdown.write(args.update, args.name, text)
-    return 0
+        raise ValueError(f"{args.motion}: no {SHORTEST} frames in a row")
+    return {args.name: report(evaluate(library, clips, jitter_full=args.jitter_full), clips)}
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+EVALUATION = Evaluation(__doc__, tables, options)

@@ -4,9 +4,9 @@
                      [--json docs/accuracy/recipes.json] [--update docs/accuracy.md]
 
 The paper trains by L2 with dropout, on exact 2D, on a detector's or on both (its table 1), with
-joints hidden or not (its tables of occlusion).  Both of its networks, as large as they ship; the
+joints hidden or not (its tables of occlusion).  Both of its networks are as large as they ship; the
 weights become C and a library is built of them, so that poses are those a device would compute.
-TRAIN and TEST are .npz files or folders that tools/mocap.py reads.  A run goes on where its
+TRAIN and TEST are .npz files or folders of motion capture.  A run goes on where its
 checkpoint (NAME.state in OUT) left off.
 """
 
@@ -14,32 +14,35 @@ import argparse
 import dataclasses
 import functools
 import json
-import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 from data.mocap import MocapError, Motion, load_motion
-from data.paths import ROOT
-from edmlift.library import Library
-from evaluation import accuracy
-from export import cli
-from export.weights import ExportError, manifest_text
+from data.paths import DOCS
+from edmlift.joints import JOINTS
+from evaluation.measures import chosen, evaluate, rounded
+from export.build import build_library
+from export.layers import ExportError
+from model.manifest import write_manifest
 from reports import markdown
-from training import train
+from training.manifest import MAX_ASPECT, write
+from training.recipe import MAX_MISSING, RECIPES, Recipe, scale_epochs
+from training.run import Run, by_column, origin, train
 
-RESULTS = ROOT / "docs" / "accuracy" / "recipes.json"
+RESULTS = DOCS / "accuracy" / "recipes.json"
 
-paper = functools.partial(dataclasses.replace, train.RECIPES["paper"])
+paper = functools.partial(dataclasses.replace, RECIPES["paper"])
 l2 = functools.partial(
-    dataclasses.replace, train.RECIPES["l2"], network="fconn", complete=False, l2_epochs=500
+    dataclasses.replace, RECIPES["l2"], network="fconn", impute=False, l2_epochs=500
 )
 through = functools.partial(l2, l2_epochs=20, mds_epochs=480)
-ours = functools.partial(through, blend=True, complete=True, network="twin")
+ours = functools.partial(through, fuse=True, impute=True, network="equivariant")
 fconv = functools.partial(paper, network="fconv", l2_epochs=30)
 detector = {"detector": 1.0, "least": 1.0}  # as noisy as the column cpm, always
 
 # Each row changes the one above it, or the first; those of FConv, the first of them.
-RECIPES = {
+ABLATIONS = {
     "the paper's, exact 2D": paper(),
     "the paper's, detector's noise": paper(iid=0.0, **detector),
     "the paper's, both": paper(**detector),
@@ -47,12 +50,12 @@ RECIPES = {
     "without dropout": paper(masks=True, dropout=0.0, **detector),
     "our noise, bodies and motion, L2": l2(batch=128),
     "through the MDS": through(batch=128),
-    "blended with the image, batches of 64": through(blend=True),
-    "missing joints guessed": through(blend=True, complete=True),
+    "fused with the image, batches of 64": through(fuse=True),
+    "missing joints imputed": through(fuse=True, impute=True),
     "left and right alike": ours(),
-    "in the camera's axes, too": ours(rigid=0.7),
-    "missing joints guessed, as long as FConv": through(
-        blend=True, complete=True, l2_epochs=5, mds_epochs=25
+    "in the camera's axes as well": ours(rigid=0.7),
+    "missing joints imputed, as long as FConv": through(
+        fuse=True, impute=True, l2_epochs=5, mds_epochs=25
     ),
     "left and right alike, as long as FConv": ours(l2_epochs=5, mds_epochs=25),
     "FConv: the paper's, exact 2D": fconv(),
@@ -62,50 +65,32 @@ RECIPES = {
 }
 
 
-def run_recipe(motion: Motion, recipe: train.Recipe, seed: int, weights: Path) -> train.Run:
+def run_recipe(motion: Motion, recipe: Recipe, seed: int, weights: Path) -> Run:
     """Trains to the last epoch and writes weights and manifest."""
-    run = train.Run(motion, recipe, seed)
+    run = Run(motion, recipe, seed)
     state = weights.with_suffix(".state")
     if state.exists():
         run.load_state(state)
-    train.train(run, motion, state)
-    train.write(run, weights.stem, [], weights)
+    train(run, motion, state)
+    write(run, weights.stem, [], weights)
     # The paper's networks get poses with joints missing, whatever they were trained on.
     manifest = json.loads(weights.with_suffix(".json").read_text())
-    manifest["fewest_joints"] = len(accuracy.JOINTS) - train.MAX_MISSING
-    manifest["widest"] = train.WIDEST
-    weights.with_suffix(".json").write_text(manifest_text(manifest))
+    manifest["fewest_joints"] = len(JOINTS) - MAX_MISSING
+    manifest["max_aspect"] = MAX_ASPECT
+    write_manifest(weights.with_suffix(".json"), manifest)
     return run
 
 
-def build(weights: Path, network: str) -> Library:
-    """The library with this network as its only model, edml_fconn_trial_f32 or edml_fconv_..."""
-    name, folder = f"{network}_trial", weights.with_suffix("")
-    folder.mkdir(exist_ok=True)
-    header = folder / f"{name}_f32.h"
-    if cli.main([str(weights), "--name", name, "--out", str(header)]) != 0:
-        raise ExportError(f"{weights}: not exported")
-    model = folder / "model.c"
-    model.write_text(f'#include "model.h"\n#include "{header.name}"\n')
-    shared = folder / "libtrial.so"
-    lib = [str(path) for path in sorted((ROOT / "lib").glob("*.c")) if "model_" not in path.name]
-    options = ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-w"]
-    include = [f"-I{ROOT / 'include'}", f"-I{ROOT / 'lib'}"]
-    command = ["cc", *options, *include, str(model), *lib, "-lm", "-o", str(shared)]
-    subprocess.run(command, check=True, capture_output=True, text=True)
-    return Library(f"{name}_f32", shared)
-
-
-def record(run: train.Run, weights: Path, test: Motion) -> dict:
+def entry(run: Run, weights: Path, test: Motion) -> dict[str, Any]:
     """A recipe's entry in the JSON: what it is, and its figures through the library."""
-    figures = accuracy.rounded(accuracy.evaluate(build(weights, run.recipe.network), test))
-    kept = ("error", "interval", "hidden_joints")
+    library = build_library(weights, weights.with_suffix(""))
+    figures = rounded(evaluate(library, test))
     return {
         "recipe": {"seed": run.seed} | dataclasses.asdict(run.recipe),
-        "data": train.origin(run.motion, []),
-        "training_people": train.by_column(run.curve),
+        "data": origin(run.motion, []),
+        "training_people": by_column(run.curve),
         "test": {"source": test.source, "poses": len(test.joints), "sha256": test.sha256},
-        "figures": {n: {k: c[k] for k in kept if k in c} for n, c in figures.items()},
+        "figures": chosen(figures, ("error", "interval", "hidden_joints")),
     }
 
 
@@ -116,16 +101,15 @@ def report(results: dict[str, dict]) -> str:
     errors = {title: [row[c]["error"] for c in columns] for title, row in figures.items()}
     some = [c for c in columns if "hidden_joints" in next(iter(figures.values()))[c]]
     hidden = {title: [row[c]["hidden_joints"] for c in some] for title, row in figures.items()}
-    first = accuracy.table("all joints, mm", columns, errors)
-    return first + "\n" + accuracy.table("hidden joints, mm", some, hidden)
+    first = markdown.table("all joints, mm", columns, errors)
+    return first + "\n" + markdown.table("hidden joints, mm", some, hidden)
 
 
-def note(path: Path, entries: dict[str, dict]) -> dict[str, dict]:
-    """Puts entries into the JSON; returns all that it then has, in the order of RECIPES."""
+def record(path: Path, entries: dict[str, dict]) -> dict[str, dict]:
+    """Puts entries into the JSON; returns all that it then has, in the order of ABLATIONS."""
     both = (json.loads(path.read_text()) if path.exists() else {}) | entries
-    results = {name: both[name] for name in RECIPES if name in both}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(manifest_text(results))
+    results = {name: both[name] for name in ABLATIONS if name in both}
+    write_manifest(path, results)
     return results
 
 
@@ -135,7 +119,7 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("train", type=Path, help="motion to train on")
     parser.add_argument("test", type=Path, help="motion of other people, to measure on")
-    parser.add_argument("--recipes", nargs="+", choices=RECIPES, metavar="NAME", default=RECIPES)
+    parser.add_argument("--recipes", nargs="+", choices=ABLATIONS, metavar="NAME", default=ABLATIONS)
     parser.add_argument("--epochs", type=int, help="instead of the recipes'")
     parser.add_argument("--out", type=Path, default=Path("build/recipes"), help="for weights")
     parser.add_argument("--json", type=Path, default=RESULTS, help="for results (%(default)s)")
@@ -151,15 +135,12 @@ def main() -> int:
         args.out.mkdir(parents=True, exist_ok=True)
         for name in args.recipes:
             print(name, file=sys.stderr)
-            weights = args.out / f"{list(RECIPES).index(name)}.npz"
-            recipe = train.shorten(RECIPES[name], args.epochs)
+            weights = args.out / f"{list(ABLATIONS).index(name)}.npz"
+            recipe = scale_epochs(ABLATIONS[name], args.epochs)
             run = run_recipe(motion, recipe, args.seed, weights)
-            results = note(args.json, {name: record(run, weights, test)})
+            results = record(args.json, {name: entry(run, weights, test)})
     except (MocapError, ExportError, ValueError, FloatingPointError, OSError) as error:
         print(f"ablations: {error}", file=sys.stderr)
-        return 1
-    except subprocess.CalledProcessError as error:
-        print(f"ablations: the library does not build: {error.stderr}", file=sys.stderr)
         return 1
     text = report(results)
     print(text, end="")

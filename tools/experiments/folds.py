@@ -5,9 +5,9 @@
                        [--plots docs/accuracy]
 
 The people of the test set are few, and which network is ahead may depend on who they are.  Here
-the people of TRAIN, an .npz file or a folder that tools/mocap.py reads, are dealt into folds; each
+the people of TRAIN, an .npz file or a folder of motion capture, are dealt into folds; each
 network is trained on all folds but one, by its own recipe, but shorter and all equally long, and
-measured on that one.  Columns are those of tools/evaluate.py; the library's poses come out of C.
+measured on that one.  The library's poses come out of C.
 
 A run goes on where it was cut off: a finished fold is FOLD.json in OUT.
 """
@@ -23,16 +23,20 @@ import numpy as np
 
 from data.mocap import MocapError, Motion, load_motion
 from data.paths import DOCS
-from edmlift.metrics import rigid_errors
-from evaluation import accuracy, baselines
+from data.views import views
+from evaluation.baselines import TITLES
+from evaluation.measures import Lifter, person_errors
 from experiments import ablations, rivals
-from export.weights import ExportError, manifest_text
+from export.build import build_library
+from export.layers import ExportError
+from model.manifest import write_manifest
 from reports import markdown, plots
-from training import train
+from training.recipe import RECIPES, scale_epochs
+from training.run import origin, split
 
 RESULTS = DOCS / "accuracy" / "people.json"
 LIBRARY = "edmlift"
-RIVALS = {baselines.TITLES[name]: rivals.RIVALS[name] for name in ("mlp40k", "mlp40k_guess")}
+RIVALS = {TITLES[name]: rivals.RIVALS[name] for name in ("mlp40k", "mlp40k_guess")}
 PLOTTED = "gt"  # the column of the picture
 
 Errors = dict[str, dict[str, dict[str, float]]]  # network -> column -> person -> mm
@@ -47,29 +51,19 @@ def deal(subject: np.ndarray, folds: int) -> list[list[int]]:
     return [sorted(order[k::folds].tolist()) for k in range(folds)]
 
 
-def lifters(rest: Motion, held: Motion, epochs: int, folder: Path, seed: int) -> Iterator:
+def lifters(
+    rest: Motion, held: Motion, epochs: int, folder: Path, seed: int
+) -> Iterator[tuple[str, Lifter]]:
     """(title, what lifts) of each network, trained on `rest`; `held` is only watched."""
-    recipe = train.shorten(train.RECIPES["mds"], epochs)
+    recipe = scale_epochs(RECIPES["mds"], epochs)
     weights = folder / "fconn.npz"
     ablations.run_recipe(rest, recipe, seed, weights)
-    yield LIBRARY, ablations.build(weights, recipe.network)
+    yield LIBRARY, build_library(weights, weights.with_suffix(""))
     short = {t: dataclasses.replace(r, mds_epochs=epochs) for t, r in RIVALS.items()}
-    runs = {title: rivals.Run(rest, recipe, seed) for title, recipe in short.items()}
+    runs = {title: rivals.RivalRun(rest, recipe, seed) for title, recipe in short.items()}
     rivals.train_all(runs, held, folder)
     for title, run in runs.items():
         yield title, run.settle()
-
-
-def person_errors(
-    lifter: accuracy.Lifter, column: accuracy.Column, subject: np.ndarray
-) -> dict[str, float]:
-    """Mean error of each person's poses, mm; those that are refused are left out."""
-    poses = lifter.lift(column.keypoints)
-    fine = poses.status == "ok"
-    error = rigid_errors(poses.joints[fine].astype(float), column.truth[fine]).mean(1)
-    means = accuracy.by_subject(1000 * error, subject[fine])
-    names = map(str, np.unique(subject[fine]).tolist())
-    return dict(zip(names, accuracy.rounded(means.tolist()), strict=True))
 
 
 def measure_fold(motion: Motion, people: list[int], args: argparse.Namespace) -> Errors:
@@ -83,8 +77,8 @@ def measure_fold(motion: Motion, people: list[int], args: argparse.Namespace) ->
             raise ValueError(f"{done}: of another run; remove it to start anew")
         return found["errors"]
     folder.mkdir(parents=True, exist_ok=True)
-    rest, held = train.split(motion, people)
-    columns = accuracy.views(held.joints)
+    rest, held = split(motion, people)
+    columns = views(held.joints)
     errors = {
         title: {name: person_errors(lifter, c, held.subject) for name, c in columns.items()}
         for title, lifter in lifters(rest, held, args.epochs, folder, args.seed)
@@ -111,8 +105,8 @@ def report(errors: Errors) -> str:
         for title, row in errors.items()
         if title != LIBRARY
     }
-    first = accuracy.table("people held out, mm", columns, means)
-    return first + "\n" + accuracy.table(f"ahead for, of {count} people", columns, ahead)
+    first = markdown.table("people held out, mm", columns, means)
+    return first + "\n" + markdown.table(f"ahead for, of {count} people", columns, ahead)
 
 
 def arguments() -> argparse.Namespace:
@@ -144,14 +138,13 @@ def main() -> int:
         return 1
     errors = merged(done)
     result = {
-        "data": train.origin(motion, []),
+        "data": origin(motion, []),
         "folds": folds,
         "epochs": args.epochs,
         "seed": args.seed,
         "errors": errors,
     }
-    args.json.parent.mkdir(parents=True, exist_ok=True)
-    args.json.write_text(manifest_text(result))
+    write_manifest(args.json, result)
     text = report(errors)
     print(text, end="")
     if args.update:

@@ -3,9 +3,9 @@
     run.py experiments.rivals TRAIN TEST [--rivals NAMES] [--epochs N] [--out build/rivals]
     run.py experiments.rivals TRAIN TEST --trials --update docs/accuracy.md
 
-Bodies, cameras, noise, missing joints and the balance of subjects are those of tools/train.py; one
-drawn epoch feeds all networks.  TRAIN and TEST are .npz files or folders that tools/mocap.py reads.
-Figures of the columns of tools/evaluate.py go into the JSON from which that takes their rows.
+Bodies, cameras, noise, missing joints and the balance of subjects are those of tools/training/; one
+drawn epoch feeds all networks.  TRAIN and TEST are .npz files or folders of motion capture.  The
+figures go into the JSON from which `evaluate.py accuracy` takes their rows.
 
 With --trials, small changes are tried on people of TRAIN who are held out; TEST is not looked at.
 A run goes on where its checkpoint (NAME.state in OUT) left off; a finished one is measured.
@@ -18,6 +18,7 @@ import json
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -29,36 +30,40 @@ from data.mocap import MocapError, Motion, load_motion
 from edmlift.joints import JOINTS, mid_hip
 from edmlift.library import Poses
 from edmlift.metrics import rigid_errors
-from evaluation import accuracy, baselines
-from export.weights import manifest_text
+from evaluation.baselines import TRAINED
+from evaluation.measures import by_subject, chosen, evaluate, rounded
 from model import coordinates, jax_stages
+from model.manifest import write_manifest
 from reports import markdown
-from training import train
+from training.loss import Loss, Params
+from training.recipe import RECIPES, Recipe
+from training.run import Run, every_nth, origin, split
+from training.views import Views, imputation_of, validation_set
 
 
 @dataclasses.dataclass(frozen=True)
-class Recipe(train.Recipe):
-    """Of a rival; `mds_epochs` are all of its epochs."""
+class RivalRecipe(Recipe):
+    """How a rival is trained; `mds_epochs` are all of its epochs."""
 
     hidden: tuple[int, ...] = (128, 128)
     residual: bool = False  # batch normalisation, and a skip around each two layers
-    mask: bool = False  # which joints are seen is input, too
+    mask: bool = False  # which joints are seen is input as well
 
     def noted(self, seed: int) -> dict:
         """What decides the weights, for the JSON."""
         fields = dataclasses.asdict(self)
         fields["epochs"] = fields.pop("mds_epochs")
-        unused = ("network", "l2_epochs", "distance_share")
+        unused = ("network", "l2_epochs", "distance_weight")
         return {"seed": seed} | {k: v for k, v in fields.items() if k not in unused}
 
 
-def recipe(**changes) -> Recipe:
+def recipe(**changes: Any) -> RivalRecipe:
     """FConn's recipe, but for the changes; the phase of L2 on distances has no counterpart."""
-    base = train.RECIPES["mds"]
-    fields = dataclasses.asdict(base) | {"l2_epochs": 0, "distance_share": 0.0, "blend": False}
-    fields |= {"rigid": 0.8, "complete": False}
+    base = RECIPES["mds"]
+    fields = dataclasses.asdict(base) | {"l2_epochs": 0, "distance_weight": 0.0, "fuse": False}
+    fields |= {"rigid": 0.8, "impute": False}
     fields["mds_epochs"] = base.l2_epochs + base.mds_epochs
-    return Recipe(**fields | changes)
+    return RivalRecipe(**fields | changes)
 
 
 martinez = functools.partial(
@@ -67,8 +72,8 @@ martinez = functools.partial(
 
 RIVALS = {  # what was best of TRIALS
     "mlp40k": recipe(hidden=(121,) * 3, mask=True, rate=3e-3, batch=128),
-    "mlp40k_guess": recipe(hidden=(121,) * 3, mask=True, rate=3e-3, batch=128, complete=True),
-    "mlp40k_blend": recipe(hidden=(121,) * 3, mask=True, rate=3e-3, blend=True),
+    "mlp40k_guess": recipe(hidden=(121,) * 3, mask=True, rate=3e-3, batch=128, impute=True),
+    "mlp40k_blend": recipe(hidden=(121,) * 3, mask=True, rate=3e-3, fuse=True),
     "mlp25k": recipe(hidden=(128, 128), rate=3e-3, batch=128),
     "martinez": martinez(mask=True),
 }
@@ -89,36 +94,37 @@ TRIALS = {
     "40 K, aligned, mask, rate 0.003": small(hidden=(162,) * 2, mask=True, rate=3e-3),
     "40 K, aligned, all three": small(hidden=(120,) * 3, mask=True, rate=3e-3),
     "40 K, 0.8 aligned, all three": small(hidden=(120,) * 3, mask=True, rate=3e-3, rigid=0.8),
-    "the same, missing joints guessed": small(
-        hidden=(120,) * 3, mask=True, rate=3e-3, rigid=0.8, complete=True
+    "the same, missing joints imputed": small(
+        hidden=(120,) * 3, mask=True, rate=3e-3, rigid=0.8, impute=True
     ),
     "4.3 M, no dropout": large(),
     "4.3 M, dropout 0.1": large(dropout=0.1),
     "4.3 M, dropout 0.5": large(dropout=0.5),
 }
 CURVE = 20  # points of the validation curve
+SAMPLE = 6000  # poses to validate on, about
 SETTLE = 8192  # training views by which batch normalisation is fixed
 
 
-def blended(points, keypoints, params):
+def fused(points: jax.Array, keypoints: jax.Array, params: Params) -> jax.Array:
     """Poses [B,14,3] moved to the image, if the parameters say how; about their mean."""
-    if "blend" not in params:
+    if "fusion" not in params:
         return points
-    points = jax_stages.blend(points, keypoints, params["blend"])
+    points = jax_stages.fuse(points, keypoints, params["fusion"])
     return points - points.mean(1, keepdims=True)
 
 
-def rival_loss(recipe: Recipe):
-    """(params, keypoints [B,14,3], truth [B,14,3], key) -> mean joint error, metres; and {}, for
-    nothing of the parameters is observed."""
+def rival_loss(recipe: RivalRecipe) -> Loss:
+    """Mean joint error, metres; no parameter is observed instead of trained."""
+    imputation = imputation_of(recipe)
 
-    completion = train.completion_of(recipe)
-
-    def loss(params, keypoints, truth, key):
-        x = coordinates.inputs(keypoints, recipe.mask, completion)
+    def loss(
+        params: Params, keypoints: jax.Array, truth: jax.Array, key: jax.Array
+    ) -> tuple[jax.Array, Params]:
+        x = coordinates.inputs(keypoints, recipe.mask, imputation)
         layers = params["layers"]
         points, _ = coordinates.forward(layers, x, recipe.residual, None, key, recipe.dropout)
-        points = blended(points, keypoints, params)
+        points = fused(points, keypoints, params)
         value = 0.0
         if recipe.rigid > 0:
             value += recipe.rigid * jax_stages.joint_errors(points, truth, mirror=False).mean()
@@ -130,23 +136,30 @@ def rival_loss(recipe: Recipe):
 
 
 @functools.partial(jax.jit, static_argnames="recipe")
-def predict(params, statistics, keypoints, recipe: Recipe):
+def predict(
+    params: Params,
+    statistics: coordinates.Statistics | None,
+    keypoints: jax.Array,
+    recipe: RivalRecipe,
+) -> tuple[jax.Array, coordinates.Statistics]:
     """Centred poses [B,14,3] of keypoints [B,14,3]; and the statistics of normalisation.
 
     These are measured on the keypoints where they are not given.
     """
-    x = coordinates.inputs(keypoints, recipe.mask, train.completion_of(recipe))
+    x = coordinates.inputs(keypoints, recipe.mask, imputation_of(recipe))
     points, used = coordinates.forward(params["layers"], x, recipe.residual, statistics)
-    return blended(points, keypoints, params), used
+    return fused(points, keypoints, params), used
 
 
-class Run(train.Run):
+class RivalRun(Run):
     """A rival's training."""
 
-    def losses(self):
+    recipe: RivalRecipe
+
+    def losses(self) -> tuple[Loss, Loss]:
         return (rival_loss(self.recipe),) * 2
 
-    def start(self) -> dict[str, coordinates.Params]:
+    def start(self) -> Params:
         truth = cameras.look(self.motion.joints, np.random.default_rng(self.seed))
         mean = (truth - truth.mean(1, keepdims=True)).mean(0)
         widths = ((3 if self.recipe.mask else 2) * len(JOINTS), *self.recipe.hidden)
@@ -158,36 +171,36 @@ class Run(train.Run):
         """The averaged weights."""
         return self.params["layers"]
 
-    def draw(self, epoch: int) -> tuple[np.ndarray, np.ndarray]:
+    def draw(self, epoch: int) -> Views:
         """The views of an epoch, keypoints and truth [F,14,3]: the same for all rivals."""
         rng = np.random.default_rng([self.seed, epoch])
-        chosen = train.pick_poses(self.motion.subject, self.recipe, rng)
-        return train.draw_2d(self.motion.joints[chosen], self.recipe, rng)
+        chosen = pick_poses(self.motion.subject, self.recipe, rng)
+        return draw_2d(self.motion.joints[chosen], self.recipe, rng)
 
-    def advance(self, views: tuple[np.ndarray, np.ndarray]) -> float:
-        """One epoch on views [F,14,3]; those that do not fill a batch are left."""
+    def advance(self, views: Views) -> float:
+        """One epoch on views [F,14,3]; those that do not fill a batch are left out."""
         shape = (self.steps, self.recipe.batch, len(JOINTS), 3)
         return super().advance(tuple(a[: shape[0] * shape[1]].reshape(shape) for a in views))
 
-    def settle(self) -> "Lifter":
-        """The averaged weights, normalised by what they do to training views: exact, where
-        running averages would be those of other weights."""
+    def settle(self) -> "Rival":
+        """The averaged weights, normalised by what they make of training views: exact, because
+        running averages would belong to other weights."""
         rng = np.random.default_rng([self.seed, 1 << 31])
-        chosen = train.pick_poses(self.motion.subject, self.recipe, rng)[:SETTLE]
-        keypoints, _ = train.draw_2d(self.motion.joints[chosen], self.recipe, rng)
+        chosen = pick_poses(self.motion.subject, self.recipe, rng)[:SETTLE]
+        keypoints, _ = draw_2d(self.motion.joints[chosen], self.recipe, rng)
         _, statistics = predict(self.params, None, jnp.asarray(keypoints), self.recipe)
-        return Lifter(self.recipe, self.params, statistics)
+        return Rival(self.recipe, self.params, statistics)
 
     def describe(self) -> str:
         return json.dumps({"recipe": super().describe(), "motion": self.motion.sha256})
 
 
 @dataclasses.dataclass(frozen=True)
-class Lifter:
-    """A trained rival, ready to lift: `lift` is edmlift.Library's.  It answers every pose."""
+class Rival:
+    """A trained rival, ready to lift as the library does.  It answers every pose."""
 
-    recipe: Recipe
-    params: dict
+    recipe: RivalRecipe
+    params: Params
     statistics: coordinates.Statistics
 
     def lift(self, keypoints: np.ndarray) -> Poses:
@@ -195,23 +208,23 @@ class Lifter:
         given = jnp.asarray(keypoints, jnp.float32)
         points, _ = predict(self.params, self.statistics, given, self.recipe)
         points = np.asarray(points, float)
-        return baselines.all_fine(points - mid_hip(points)[:, None])
+        return Poses.of(points - mid_hip(points)[:, None])
 
 
-def validate(run: Run, columns: dict, subject: np.ndarray) -> dict[str, float]:
+def validate(run: RivalRun, columns: dict, subject: np.ndarray) -> dict[str, float]:
     """Error of each column in mm, rigidly aligned: the mean over subjects of their means."""
     lifter, result = run.settle(), {}
     for name, (keypoints, truth) in columns.items():
         error = rigid_errors(lifter.lift(keypoints).joints, truth.astype(float)).mean(1)
-        result[name] = round(1000 * float(accuracy.by_subject(error, subject).mean()), 2)
+        result[name] = round(1000 * float(by_subject(error, subject).mean()), 2)
     return result
 
 
-def train_all(runs: dict[str, Run], held: Motion, folder: Path) -> None:
+def train_all(runs: dict[str, RivalRun], held: Motion, folder: Path) -> None:
     """Runs all to their last epochs, on the same views, with checkpoints and a progress bar."""
-    sample = held.take(np.arange(0, len(held.joints), max(1, len(held.joints) // 6000)))
+    sample = every_nth(held, SAMPLE)
     first = next(iter(runs.values()))
-    columns = train.validation_set(sample.joints, first.seed)
+    columns = validation_set(sample.joints, first.seed)
     left = {name: run for name, run in runs.items() if run.epoch < run.epochs}
     start = min((run.epoch for run in left.values()), default=0)
     end = max((run.epochs for run in left.values()), default=0)
@@ -227,7 +240,9 @@ def train_all(runs: dict[str, Run], held: Motion, folder: Path) -> None:
             bar.set_postfix({n: [*r.curve.values()][-1]["gt"] for n, r in left.items() if r.curve})
 
 
-def advance(run: Run, views, columns: dict, subject: np.ndarray, state: Path) -> None:
+def advance(
+    run: RivalRun, views: Views, columns: dict[str, Views], subject: np.ndarray, state: Path
+) -> None:
     """One epoch of a run; now and then a point of its curve, and a checkpoint."""
     loss = run.advance(views)
     if not np.isfinite(loss):
@@ -237,31 +252,31 @@ def advance(run: Run, views, columns: dict, subject: np.ndarray, state: Path) ->
         run.save_state(state)
 
 
-def record(run: Run, held_out: list[int], test: Motion) -> dict:
+def entry(run: RivalRun, held_out: list[int], test: Motion) -> dict[str, Any]:
     """A rival's entry in the JSON: what it is, how it was trained, and its figures."""
-    figures = accuracy.rounded(accuracy.evaluate(run.settle(), test))
+    figures = rounded(evaluate(run.settle(), test))
     return {
         "parameters": coordinates.count(run.layers),
         "recipe": run.recipe.noted(run.seed),
-        "data": train.origin(run.motion, held_out),
+        "data": origin(run.motion, held_out),
         # Rigidly aligned, mm; of people who were trained on, if none were held out.
         "validation" if held_out else "training_people": run.curve,
         "test": {"source": test.source, "poses": len(test.joints), "sha256": test.sha256},
-        "figures": {n: {k: c[k] for k in ("error", "interval")} for n, c in figures.items()},
+        "figures": chosen(figures, ("error", "interval")),
     }
 
 
-def tried(run: Run, held_out: list[int]) -> dict:
+def tried(run: RivalRun, held_out: list[int]) -> dict[str, Any]:
     """A trial's entry in the JSON."""
     return {
         "parameters": coordinates.count(run.layers),
         "recipe": run.recipe.noted(run.seed),
-        "data": train.origin(run.motion, held_out),
+        "data": origin(run.motion, held_out),
         "validation": run.curve[run.epochs],
     }
 
 
-def tried_markdown(trials: dict[str, dict]) -> str:
+def trials_table(trials: dict[str, dict]) -> str:
     """The table of trials: errors on the people held out."""
     columns = list(next(iter(trials.values()))["validation"])
     rows = {
@@ -272,17 +287,16 @@ def tried_markdown(trials: dict[str, dict]) -> str:
         ]
         for title, row in trials.items()
     }
-    return accuracy.table("mm, held-out people", ["parameters", "epochs", *columns], rows)
+    return markdown.table("mm, held-out people", ["parameters", "epochs", *columns], rows)
 
 
-def note(path: Path, section: str, entries: dict[str, dict]) -> dict[str, dict]:
+def record(path: Path, section: str, entries: dict[str, dict]) -> dict[str, dict]:
     """Puts entries into a section of the JSON; returns the section, in the order of this file."""
     results = json.loads(path.read_text()) if path.exists() else {}
     known = RIVALS if section == "rivals" else TRIALS
     both = results.get(section, {}) | entries
     results[section] = {name: both[name] for name in known if name in both}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(manifest_text(results))
+    write_manifest(path, results)
     return results[section]
 
 
@@ -297,23 +311,23 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--epochs", type=int, help="at most so many, instead of the recipes'")
     parser.add_argument("--out", type=Path, default=Path("build/rivals"), help="for checkpoints")
     parser.add_argument(
-        "--json", type=Path, default=baselines.TRAINED, help="for results (%(default)s)"
+        "--json", type=Path, default=TRAINED, help="for results (%(default)s)"
     )
     parser.add_argument("--update", type=Path, help="Markdown with marks for the trials' table")
     parser.add_argument("--seed", type=int, default=0)
     return parser.parse_args()
 
 
-def prepare(args: argparse.Namespace) -> tuple[dict[str, Run], Motion]:
+def prepare(args: argparse.Namespace) -> tuple[dict[str, RivalRun], Motion]:
     """The runs, as far as they got before, and the people to validate on."""
-    motion, held = train.split(load_motion(args.train), HELD_OUT if args.trials else [])
+    motion, held = split(load_motion(args.train), HELD_OUT if args.trials else [])
     recipes = TRIALS if args.trials else {name: RIVALS[name] for name in args.rivals}
     args.out.mkdir(parents=True, exist_ok=True)
     runs = {}
     for name, recipe in recipes.items():
         if args.epochs is not None:
             recipe = dataclasses.replace(recipe, mds_epochs=min(args.epochs, recipe.mds_epochs))
-        runs[name] = Run(motion, recipe, args.seed)
+        runs[name] = RivalRun(motion, recipe, args.seed)
         state = args.out / f"{name}.state"
         if state.exists():
             runs[name].load_state(state)
@@ -327,15 +341,15 @@ def main() -> int:
         runs, held = prepare(args)
         train_all(runs, held, args.out)
         if args.trials:
-            trials = note(args.json, "trials", {n: tried(r, HELD_OUT) for n, r in runs.items()})
-            print(tried_markdown(trials))
+            trials = record(args.json, "trials", {n: tried(r, HELD_OUT) for n, r in runs.items()})
+            print(trials_table(trials))
         else:
-            note(args.json, "rivals", {n: record(run, [], test) for n, run in runs.items()})
+            record(args.json, "rivals", {n: entry(run, [], test) for n, run in runs.items()})
     except (MocapError, ValueError, FloatingPointError, OSError) as error:
         print(f"rivals: {error}", file=sys.stderr)
         return 1
     if args.trials and args.update:
-        markdown.write(args.update, "trials", tried_markdown(trials))
+        markdown.write(args.update, "trials", trials_table(trials))
     return 0
 
 

@@ -1,94 +1,17 @@
-"""The weights of FConv, the paper's convolutional network: from training to what C holds.  NumPy.
-
-A trained file has these arrays, a shipped one those without a star:
-
-    conv1_weight [7,7,1,C], conv1_bias [C]        convolution, pad 3       14x14 -> 14x14 -> 7x7
-    bn1_scale, _shift, _mean, _variance [C]  *    before the ReLU and the pooling of 2x2
-    conv2_weight [7,7,C,C], conv2_bias, bn2_ *    the same                 7x7 -> 7x7 -> 4x4
-    deconv1_weight [7,7,C,C], deconv1_bias [C]    transposed, stride 2     4x4 -> 7x7
-    deconv2_weight [7,7,C,C], deconv2_bias [C]    the same                 7x7 -> 14x14
-    conv3_weight [C], conv3_bias [1]              1x1                      -> 14x14
-
-with C = 64, kernels as [y, x, in, out].  fold() puts the batch normalisation into the weights,
-shorten() makes the weights short enough to print.
-"""
+"""FConv as lib/network/fconv.h computes it: its layers, and what quantising must know of them."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from edmlift.joints import PAIRS
+from export.layers import ExportError, Layer, to_float32
 from export.quantise import Activate, Plan
-from export.weights import ExportError, Layer, to_float32
+from model.constants import CHANNELS, GROUP
+from model.fconv_weights import NAMES, SIDE, STAGES, TAPS, Stage
 
-Params = Mapping[str, np.ndarray]
-
-TAPS, REACH = 7, 3
-SIDE = 14  # of the matrices
-EPSILON = 1e-5  # of batch normalisation
-CHANNELS, GROUP = 64, 8  # EDML_CHANNELS, EDML_ROWS
-DIGITS = 2047  # steps of a short weight
-
-
-class Stage(NamedTuple):
-    """A layer of 7x7 and the map that it gives, before a pooling."""
-
-    name: str
-    side: int
-    up: bool  # transposed, of stride 2; else a pooling of 2x2 follows
-
-
-STAGES = (
-    Stage("conv1", SIDE, False),
-    Stage("conv2", 7, False),
-    Stage("deconv1", 7, True),
-    Stage("deconv2", SIDE, True),
-)
-NAMES = (*(stage.name for stage in STAGES), "conv3")
-
-
-# ---- From training to gen/ ---------------------------------------------------------------------
-
-
-def fold(params: Params) -> dict[str, np.ndarray]:
-    """The same network in float32 without batch normalisation, which goes into what is before."""
-    wide = {name: np.asarray(array, float) for name, array in params.items()}
-    folded = {}
-    for name in NAMES:
-        weight, bias = wide[f"{name}_weight"], wide[f"{name}_bias"]
-        bn = f"bn{name[-1]}"
-        if name.startswith("conv") and f"{bn}_scale" in wide:
-            scale = wide[f"{bn}_scale"] / np.sqrt(wide[f"{bn}_variance"] + EPSILON)
-            weight = weight * scale
-            bias = (bias - wide[f"{bn}_mean"]) * scale + wide[f"{bn}_shift"]
-        folded |= {f"{name}_weight": weight, f"{name}_bias": bias}
-    return {name: array.astype(np.float32) for name, array in folded.items()}
-
-
-def shorten(params: Params) -> dict[str, np.ndarray]:
-    """Weights of up to four digits: whole multiples, up to 2047, of a power of two an array, which
-    float16 holds exactly.  Biases stay as they are."""
-    short = dict(params)
-    for name in NAMES:
-        weight = np.asarray(params[f"{name}_weight"], float)
-        largest = np.abs(weight).max()
-        if largest > 0:
-            step = max(2.0 ** np.ceil(np.log2(largest / DIGITS)), 2.0**-24)
-            rounded = np.rint(weight / step) * step + 0.0  # no negative zero
-            short[f"{name}_weight"] = rounded.astype(np.float16)
-    return short
-
-
-def unit_of(weight: np.ndarray) -> int | None:
-    """The exponent of the power of two of which all weights are short multiples, if they are."""
-    largest = float(np.abs(weight).max(initial=0))
-    if largest == 0 or np.any(np.signbit(weight) & (weight == 0)):
-        return None
-    exponent = int(np.ceil(np.log2(largest / DIGITS)))
-    steps = weight.astype(float) / 2.0**exponent
-    return exponent if np.array_equal(steps, np.rint(steps)) else None
-
+REACH = TAPS // 2
 
 # ---- Layers ------------------------------------------------------------------------------------
 
@@ -123,12 +46,12 @@ def layers_of(arrays: Mapping[str, Any]) -> list[Layer]:
     return layers
 
 
-# On each axis of a transposed convolution: the taps of odd pixels, then of even ones (fconv.inc).
+# On each axis of a transposed convolution: the taps of odd pixels, then of even ones (fconv.h).
 UP_ORDER = [6, 4, 2, 0, 5, 3, 1]
 
 
 def as_c_has_it(k: int, weight: np.ndarray) -> np.ndarray:
-    """The weights [inputs, out] of layer k, their inputs in the order of lib/fconv.inc."""
+    """The weights [inputs, out] of layer k, their inputs in the order of lib/network/fconv.h."""
     if k == len(STAGES) or not STAGES[k].up:
         return weight
     kernel = weight.reshape(TAPS, TAPS, -1, weight.shape[-1])
@@ -136,8 +59,8 @@ def as_c_has_it(k: int, weight: np.ndarray) -> np.ndarray:
 
 
 def multiply_adds(layers: Sequence[Layer]) -> int:
-    """Of a prediction; windows at the border have fewer."""
-    counts = [shares(k).sum() * stage.side**2 for k, stage in enumerate(STAGES)]
+    """Multiplications of a prediction; windows at the border have fewer."""
+    counts = [tap_shares(k).sum() * stage.side**2 for k, stage in enumerate(STAGES)]
     channels = [layer.weight.size / TAPS**2 for layer in layers[:-1]]
     last = layers[-1].weight.size * SIDE**2
     return round(sum(n * c for n, c in zip(counts, channels, strict=True))) + last
@@ -162,8 +85,8 @@ def size_before(k: int) -> int:
     return (14, 7, 4, 7)[k]
 
 
-def shares(k: int) -> np.ndarray:
-    """Of the outputs of layer k, the share that sees an input through each tap: [49], or [1]."""
+def tap_shares(k: int) -> np.ndarray:
+    """The share of the outputs of layer k that see an input through each tap: [49], or [1]."""
     if k == len(STAGES):
         return np.ones(1)
     stage = STAGES[k]
@@ -214,4 +137,4 @@ def forward_batch(layers: Sequence[Any], edms: np.ndarray, activate: Activate) -
     return [*values, activate(len(STAGES), both[..., None])[..., 0]]
 
 
-PLAN = Plan(forward, shares=shares, sums=2, views=2000)
+PLAN = Plan(forward, tap_shares=tap_shares, sums=2, views=2000)

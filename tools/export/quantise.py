@@ -1,26 +1,23 @@
-"""Turns a network into whole numbers, as lib/model.h defines them for edml_dense_q15 and _q7.
+"""Turns a network into integers, as lib/network/layers.h defines them for edml_dense_w16 and _w8.
 
 Rows of weights have a scale each, as large as the bits of a weight and the 32-bit accumulator
 allow.  Calibration, on views of the training people, tells what the hidden layers reach, which
-decides the scale of their activations (larger ones are limited, in C as here, so that no input can
+decides the scale of their activations (larger ones are clamped, in C as here, so that no input can
 overflow), and what each input of a layer is on average: times the rounding errors of a row, that
 is how far its sum would be off on average, and the bias makes up for it.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from export.weights import ExportError, Layer, digest
+from export.layers import ExportError, Layer
+from model.constants import ACTIVATION, EDM_SHIFT
 
-# What lib/model.h fixes.
-ACTIVATION = 32767  # EDML_ACTIVATION
-EDM_SHIFT = 12  # EDML_EDM_SHIFT: from Q24 to Q12
-WIDEST = 3.75  # an EDM reaches 2 sqrt(1 + widest^2), which Q12 holds below 8
+FIXED_POINT_ASPECT = 3.75  # an EDM reaches 2 sqrt(1 + aspect^2), which Q12 holds below 8
 
-WEIGHT_TYPES = {"q15": np.int16, "q7": np.int8}
+WEIGHT_TYPES = {"w16": np.int16, "w8": np.int8}
 WORD = 1 << 31
 METRE = 1 << 24  # of the distances, Q24
 FARTHEST = 3 * METRE  # what the stages behind the network are made for
@@ -30,13 +27,13 @@ BISECTIONS = 50
 
 
 class Dense(NamedTuple):
-    """y = ((x @ weight + bias) factor + 2^(shift - 1)) >> shift, limited to 0 to `most`."""
+    """y = clamp(((x @ weight + bias) multiplier + 2^(shift - 1)) >> shift, 0, clamp)."""
 
     weight: np.ndarray  # int16 or int8 [in, out]
     bias: np.ndarray  # int32 [out]
-    factor: np.ndarray  # int32 [out], 1 and up
+    multiplier: np.ndarray  # int32 [out], 1 and up
     shift: int  # 1 to 62
-    most: int
+    clamp: int
 
 
 Activate = Callable[[int, np.ndarray], np.ndarray]
@@ -53,7 +50,7 @@ def from_nowhere(k: int, layer: Any) -> np.ndarray:
 
 
 def edm_value(edm: np.ndarray, shift: int = EDM_SHIFT) -> np.ndarray:
-    """Distances of an EDM in Q24, whole numbers, shifted to the right: to nearest, below 8."""
+    """Distances of an EDM in Q24 shifted to the right, integers: to nearest, below 8."""
     rounded = (edm.astype(np.int64) + (1 << shift >> 1)) >> shift
     return np.minimum(rounded, (1 << 27 - shift) - 1)
 
@@ -65,19 +62,19 @@ class Plan(NamedTuple):
     # -> what goes into each layer, and the distances [F,91].  A layer may have several inputs a
     # channel, its taps.
     forward: Callable[[Sequence[Any], np.ndarray, Activate], list[np.ndarray]]
-    # What the first layer reads of EDMs [F,91]: of distances, and of whole numbers in Q24.
+    # What the first layer reads of EDMs [F,91]: of distances, and of integers in Q24.
     first: Callable[[np.ndarray], np.ndarray] = lambda edms: edms
     first_whole: Callable[[np.ndarray], np.ndarray] = edm_value
-    # Which share of the outputs of layer k each tap counts in, [taps].
-    shares: Callable[[int], np.ndarray] = lambda k: np.ones(1)
+    # The share of the outputs of layer k in which each tap counts, [taps].
+    tap_shares: Callable[[int], np.ndarray] = lambda k: np.ones(1)
     # The largest activation among the inputs of a layer behind the first.
     largest: Callable[[np.ndarray], float] = lambda inputs: float(inputs.max())
-    # Of layer k, least and largest value of each input [in], whole numbers; and what was taken from
+    # Least and largest value of each input [in] of layer k, integers; and what was subtracted from
     # it, for which the bias makes up.
     ranges: Callable[[int, Any], tuple[np.ndarray, np.ndarray]] = from_zero
     centre: Callable[[int, Any], np.ndarray] = from_nowhere
     spare: int = 0  # bits of an activation that are left to sums of them
-    sums: int = 1  # of the last layer, of whose mean a distance is made
+    sums: int = 1  # of the last layer; a distance is their mean
     views: int | None = None  # to calibrate on; all
 
     @property
@@ -100,7 +97,7 @@ DENSE = Plan(dense_forward)
 def quantise(
     layers: Sequence[Layer], calibration: Mapping[str, Any], form: str, plan: Plan = DENSE
 ) -> list[Dense]:
-    """The network in whole numbers, "q15" or "q7"; raises ExportError where that cannot be."""
+    """The network in integers, form "w16" or "w8"; raises ExportError where that cannot be."""
     largest = calibration["largest"]
     mean = [np.array(values, float) for values in calibration["mean"]]
     if not all(0 < x < np.inf for x in largest):
@@ -112,19 +109,19 @@ def quantise(
     dense = []
     for k, (weight, bias) in enumerate(equalised(layers)):
         inner = k < len(layers) - 1
-        inputs = (plan.shares(k)[:, None] * mean[k]).reshape(-1)
+        inputs = (plan.tap_shares(k)[:, None] * mean[k]).reshape(-1)
         word = WORD if inner else WORD // plan.sums
         reach = input_ranges(plan, k, layers[k])
         centre = plan.centre(k, layers[k]) / scales[k]
         rows = Rows(weight, bias + centre @ weight, inputs - centre, scales[k], reach, word)
-        most = plan.activation if inner else FARTHEST
-        dense.append(quantise_layer(rows, scales[k + 1], WEIGHT_TYPES[form], most))
+        clamp = plan.activation if inner else FARTHEST
+        dense.append(quantise_layer(rows, scales[k + 1], WEIGHT_TYPES[form], clamp))
         prove(dense[k], k, reach, word)
     return dense
 
 
 def input_ranges(plan: Plan, k: int, layer: Any) -> np.ndarray:
-    """Least and largest inputs of layer k in whole numbers, [2,in]."""
+    """Least and largest inputs of layer k, integers, [2,in]."""
     return np.array(plan.ranges(k, layer))
 
 
@@ -134,7 +131,7 @@ def equalised(layers: Sequence[Layer]) -> list[Layer]:
     A weight that is large only because its unit is small makes its whole row coarse; so a unit is
     multiplied by the root of the largest weight that reads it, and those weights divided by it.
     """
-    # In C's order, for the last bits of NumPy's sums depend on it.
+    # In C's order, because the last bits of NumPy's sums depend on it.
     even = [Layer(*(np.array(array, float, order="C") for array in layer)) for layer in layers]
     for k in range(len(even) - 1):
         unit, reader = even[k], even[k + 1]
@@ -147,7 +144,7 @@ def equalised(layers: Sequence[Layer]) -> list[Layer]:
 
 
 class Rows(NamedTuple):
-    """A layer to be quantised; its input is to be whole numbers of 1 / x_scale."""
+    """A layer to be quantised; its input is to be integers, multiples of 1 / x_scale."""
 
     weight: np.ndarray  # [in, out]
     bias: np.ndarray  # [out]
@@ -157,22 +154,22 @@ class Rows(NamedTuple):
     word: int = WORD  # the sums stay below
 
     def rounded(self, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Whole numbers, still in double: weights times their row's scale [out], and biases."""
+        """Integers, still in double: weights times their row's scale [out], and biases."""
         weight = np.rint(self.weight * scale)
         lost = ((self.weight * scale - weight) * self.mean[:, None]).sum(0)
         return weight, np.rint((self.bias * scale + lost) * self.x_scale)
 
 
-def quantise_layer(rows: Rows, y_scale: float, kind: type, most: int) -> Dense:
-    """A layer whose output is whole numbers of 1 / y_scale."""
+def quantise_layer(rows: Rows, y_scale: float, kind: type, clamp: int) -> Dense:
+    """A layer whose output is integers, multiples of 1 / y_scale."""
     scale = largest_scales(rows, np.iinfo(kind).max)
     ratio = y_scale / (scale * rows.x_scale)  # of an output to its sum
     shift = int(min(62, 30 - np.floor(np.log2(ratio.max()))))
     if shift < 1:
         raise ExportError("a layer's outputs are too large to quantise")
-    factor = np.clip(np.rint(ratio * 2.0**shift), 1, WORD - 1)
+    multiplier = np.clip(np.rint(ratio * 2.0**shift), 1, WORD - 1).astype(np.int32)
     weight, bias = rows.rounded(scale)
-    return Dense(weight.astype(kind), bias.astype(np.int32), factor.astype(np.int32), shift, most)
+    return Dense(weight.astype(kind), bias.astype(np.int32), multiplier, shift, clamp)
 
 
 def largest_scales(rows: Rows, most: int) -> np.ndarray:
@@ -201,79 +198,28 @@ def sum_bounds(
 
 
 def prove(dense: Dense, number: int, reach: np.ndarray, word: int = WORD) -> None:
-    """Raises ExportError unless the C kernel computes the layer without overflow, whatever its
-    input: in whole numbers, on what the header will hold."""
+    """Raises ExportError if any input could overflow the C kernel (checked on the integers that the
+    header will hold)."""
     lowest, highest = sum_bounds(dense.weight.astype(np.int64), dense.bias.astype(np.int64), reach)
     for row in np.flatnonzero((lowest < -word) | (highest >= word)):
         raise ExportError(
             f"layer {number}: sums of row {row} reach {lowest[row]} to {highest[row]}, "
             f"beyond {word.bit_length()} bits"
         )
-    if not (dense.factor > 0).all() or not 1 <= dense.shift <= 62:
-        raise ExportError(f"layer {number}: factor or shift out of range")
+    if not (dense.multiplier > 0).all() or not 1 <= dense.shift <= 62:
+        raise ExportError(f"layer {number}: multiplier or shift out of range")
 
 
 def run(network: Sequence[Dense], edm: np.ndarray, plan: Plan = DENSE) -> np.ndarray:
-    """Distances [F,91] that the C library computes from EDMs [F,91]: both whole numbers, Q24."""
+    """Distances [F,91] that the C library computes from EDMs [F,91]: both integers, Q24."""
     x = plan.first_whole(edm)
 
     def activate(k: int, sums: np.ndarray) -> np.ndarray:
         dense = network[k]  # sums are exact in double
-        y = (sums.astype(np.int64) * dense.factor + (1 << dense.shift - 1)) >> dense.shift
-        return np.clip(y, 0, dense.most)
+        y = (sums.astype(np.int64) * dense.multiplier + (1 << dense.shift - 1)) >> dense.shift
+        return np.clip(y, 0, dense.clamp)
 
     return plan.forward(network, x, activate)[-1]
-
-
-# ---- Calibration -------------------------------------------------------------------------------
-
-
-def training_edms(motion: Path, recipe: Mapping[str, Any]) -> np.ndarray:
-    """EDMs [F,91] of one view of each training pose, drawn as in training; the same each time."""
-    import jax.numpy as jnp  # training's own text, and its JAX, for calibration alone
-
-    from data.mocap import load_motion
-    from model import jax_stages
-    from training import train
-
-    names = train.Recipe.__dataclass_fields__.keys() & recipe.keys()
-    known = train.Recipe(**{name: recipe[name] for name in names})
-    rng = np.random.default_rng([recipe.get("seed", 0), 1 << 32])
-    joints = load_motion(motion).joints
-    keypoints, _ = train.draw_2d(joints, known, rng)
-    completion = train.completion_of(known)
-    return np.asarray(jax_stages.edm_2d(jnp.asarray(keypoints), completion), float)
-
-
-def activations(layers: Sequence[Layer], edms: np.ndarray, plan: Plan = DENSE) -> list[np.ndarray]:
-    """What goes into each layer, and the distances: the float network on EDMs [F,91]."""
-
-    def activate(k: int, sums: np.ndarray) -> np.ndarray:
-        return np.maximum(sums, 0) / (1 if k < len(layers) - 1 else plan.sums)
-
-    return plan.forward(layers, plan.first(edms), activate)
-
-
-def calibrate(layers: Sequence[Layer], edms: np.ndarray, plan: Plan = DENSE) -> dict[str, Any]:
-    """What quantising needs to know, and how well it does, on EDMs [F,91]: for the manifest."""
-    if plan.views is not None and len(edms) > plan.views:
-        edms = edms[np.linspace(0, len(edms) - 1, plan.views).astype(int)]
-    exact = activations(layers, edms, plan)[-1]
-    inputs = activations(equalised(layers), edms, plan)[:-1]
-    calibration = {
-        "weights": digest(layers),
-        "views": len(edms),
-        "largest": [round(plan.largest(x), 4) for x in inputs[1:]],
-        "mean": [x.reshape(-1, x.shape[-1]).mean(0).round(4).tolist() for x in inputs],
-    }
-    errors = {}
-    for form in WEIGHT_TYPES:
-        network = quantise(layers, calibration, form, plan)
-        distances = run(network, np.rint(edms * METRE), plan) / METRE
-        error = np.sqrt(np.mean((distances - exact) ** 2))
-        percent = 100 * error / np.sqrt(np.mean(exact**2))
-        errors[form] = {"mm": round(float(1000 * error), 3), "percent": round(float(percent), 3)}
-    return calibration | {"rms": errors}
 
 
 # ---- What the header says ----------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Coefficients of lib/adapt.inc, by least squares over views of motion capture with modelled heads.
+"""Coefficients of lib/joints/adapt.h, by least squares over views with modelled heads.
 
     run.py fitting.adapters TRAIN.npz [--update docs/adapters.md]
 
@@ -8,8 +8,8 @@ detectors report a head and a neck.  So every adapter puts
     head = s + HEAD (e - s)     s: between the shoulders, e: what is seen of the head
     neck = s + TRUNK (h - s)    h: between the hips
 
-and this finds HEAD for every e, and TRUNK.  The heads are tools/head_model.py's, so the errors are
-those of a model: they rank the rules, and do not say how well a detector sees.
+and this finds HEAD for every e, and TRUNK.  The heads are tools/data/head_model.py's, so the errors
+are those of a model: they rank the rules, and do not say how well a detector sees.
 """
 
 import argparse
@@ -20,7 +20,7 @@ import numpy as np
 
 from data import cameras
 from data.head_model import HEAD_BREADTH, NOSE_BEFORE_EAR, landmarks, low_necks
-from data.mocap import MocapError, load_motion
+from data.mocap import MocapError, Motion, load_motion
 from edmlift.joints import INDEX, mid_hip, mid_shoulder
 from reports import markdown
 
@@ -30,12 +30,12 @@ PROFILE, FRONTAL = 0.7, 0.5  # cosines to the line of sight
 EARS, EYES = ("left_ear", "right_ear"), ("left_eye", "right_eye")
 FACE = (*EYES, "nose")
 
-# What adapt.inc calls them, and the points of which e is the mean.
+# What adapt.h calls them, and the points of which e is the mean.
 EVIDENCE = {
     "CROWN": ("crown",),
     "CENTRE": ("h36m_head",),
-    "EARS": EARS,
-    "EAR": ("left_ear",),
+    "BOTH_EARS": EARS,
+    "ONE_EAR": ("left_ear",),
     "FACE": FACE,
 }
 
@@ -44,7 +44,7 @@ class Views:
     """Projections [F,2] by name, in metres at the distance of the person, and in which of them [F]
     e may be what is seen: a single ear from its side, eyes and nose from the front."""
 
-    def __init__(self, motion, seed: int = SEED):
+    def __init__(self, motion: Motion, seed: int = SEED):
         rng = np.random.default_rng(seed)
         joints = motion.joints.astype(float)
         low = low_necks(joints, motion.subject)
@@ -61,7 +61,7 @@ class Views:
         every = np.ones(len(image), bool)
         nose = away["nose"] - (away["left_ear"] + away["right_ear"]) / 2
         self.seen = {name: every for name in EVIDENCE} | {
-            "EAR": away["left_ear"] - away["right_ear"] < -PROFILE * HEAD_BREADTH / 1000,
+            "ONE_EAR": away["left_ear"] - away["right_ear"] < -PROFILE * HEAD_BREADTH / 1000,
             "FACE": nose < -FRONTAL * NOSE_BEFORE_EAR / 1000,
         }
         self.shoulder, self.hip = mid_shoulder(image), mid_hip(image)
@@ -78,7 +78,7 @@ def coefficient(start: np.ndarray, through: np.ndarray, target: np.ndarray) -> f
 
 
 def fit(views: Views) -> dict[str, float]:
-    """The constants of lib/adapt.inc by name."""
+    """The constants of lib/joints/adapt.h by name."""
     found = {}
     for name, points in EVIDENCE.items():
         seen = views.seen[name]
@@ -88,12 +88,12 @@ def fit(views: Views) -> dict[str, float]:
     return found
 
 
-def table(views: Views, k: dict[str, float]) -> str:
+def report(views: Views, k: dict[str, float]) -> str:
     """How far the points of our rules and of others are from the joints that the models take."""
     s, nose, eyes = views.shoulder, views.mean("nose"), views.mean(*EYES)
-    titles = {"CROWN": "the crown", "CENTRE": "Human3.6M's head", "EARS": "the middle of both ears",
-              "EAR": "an ear, seen from its side", "FACE": "the middle of eyes and nose, seen from "
-              "the front"}  # fmt: skip
+    titles = {"CROWN": "the crown", "CENTRE": "Human3.6M's head",
+              "BOTH_EARS": "the middle of both ears", "ONE_EAR": "an ear, seen from its side",
+              "FACE": "the middle of eyes and nose, seen from the front"}  # fmt: skip
     rows = []
     for name, title in titles.items():
         point = s + k[name] * (views.mean(*EVIDENCE[name]) - s)
@@ -114,12 +114,12 @@ def table(views: Views, k: dict[str, float]) -> str:
         "upper neck (MPII, LSP, CPM)": views.mean("upper_neck"),
     }.items():
         rows.append(_row("neck", rule, point - views.neck))
-    return "| joint | put at | mean, mm | 95 %, mm |\n|---|---|--:|--:|\n" + "".join(rows)
+    return markdown.table("joint", ["put at", "mean, mm", "95 %, mm"], rows, left=2)
 
 
-def _row(joint: str, rule: str, difference: np.ndarray) -> str:
+def _row(joint: str, rule: str, difference: np.ndarray) -> tuple[str, list[str]]:
     error = 1000 * np.linalg.norm(difference, axis=1)
-    return f"| {joint} | {rule} | {error.mean():.0f} | {np.percentile(error, 95):.0f} |\n"
+    return joint, [rule, f"{error.mean():.0f}", f"{np.percentile(error, 95):.0f}"]
 
 
 def main() -> int:
@@ -137,7 +137,7 @@ def main() -> int:
     found = fit(views)
     for name, value in found.items():
         print(f"#define {name} REAL({value:.2f})")
-    text = table(views, found)
+    text = report(views, found)
     print(text, end="")
     if args.update:
         markdown.write(args.update, "rules", text)

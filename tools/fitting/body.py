@@ -1,10 +1,10 @@
-"""Constants of lib/person.inc, floor.inc, quality.inc and uncertainty.c, from training people.
+"""Constants of lib/optional/: body.h, stand.h, quality.h, uncertainty.c; from training people.
 
     run.py fitting.body TRAIN.npz
 
 The network knows the training people, so the poses are of bodies that are varied as in its training
-(cameras.vary_bodies), seen as in the protocol of tools/evaluate.py.  Whoever trains a network anew
-runs this again.
+(cameras.vary_bodies), on the views of tools/data/views.py.  Whoever trains a network anew runs this
+again.
 """
 
 import argparse
@@ -16,69 +16,28 @@ import numpy as np
 from scipy.optimize import minimize
 
 from data import cameras
-from data.head_model import TRAGION_TO_CROWN
+from data.bodies import GOOD, Bodies, ankle_height, bodies, bone_lengths, by_type
 from data.mocap import MocapError, Motion, load_motion
-from edmlift.joints import BONE_TYPE, BONES, INDEX, JOINTS, LIMBS
-from edmlift.library import Library
+from data.views import views
+from edmlift.joints import BONE_TYPE, BONES, JOINTS, LIMBS
+from edmlift.library import Library, Poses
 from edmlift.metrics import rigid_errors
-from evaluation.accuracy import views
-from training.train import MAX_MISSING, draw_masks
+from training.recipe import MAX_MISSING
+from training.views import draw_masks
 
 SEED = 5
 POSES = 600  # of each subject, drawn again where it has fewer: every body counts alike
 VIEWS = 8  # of each pose, for uncertainty
-GOOD = 0.100  # metres: a pose with a mean joint error below this is a good one
-ANKLES = [INDEX["right_ankle"], INDEX["left_ankle"]]
-LEGS = slice(7, 13)  # bones from the neck to the ankles: both sides, so half of their sum counts
+LEG_BONES = slice(7, 13)  # from the neck to the ankles, both sides: half of their sum counts
 JOINT_TYPE = ("head_top", "neck", "shoulder", "elbow", "wrist", "hip", "knee", "ankle")
 
 
 # ---- People ----------------------------------------------------------------------------------
 
 
-def bone_lengths(joints: np.ndarray) -> np.ndarray:
-    """[F,14,3] -> [F,13], metres."""
-    start, end = np.array(BONES).T
-    return np.linalg.norm(joints[:, end] - joints[:, start], axis=-1)
-
-
 def chain(bones: np.ndarray) -> np.ndarray:
-    """Head top to ankle along the bones, the mean of both sides: [..., 13] -> [...]."""
-    return bones[..., 0] + bones[..., LEGS].sum(-1) / 2
-
-
-def ankle_height(motion: Motion) -> float:
-    """Height of a standing foot's ankle above the floor: the median over subjects of low (5th
-    percentile) heights of the lower ankle, metres, to the centimetre."""
-    low = motion.joints[:, ANKLES, 1].min(1)
-    each = [np.percentile(low[motion.subject == s], 5) for s in np.unique(motion.subject)]
-    return round(float(np.median(each)), 2)
-
-
-@dataclass(frozen=True)
-class Bodies:
-    """Of each subject: number [S], standing height [S] and bones [S,13], metres."""
-
-    subject: np.ndarray
-    height: np.ndarray
-    bone: np.ndarray
-
-
-def bodies(motion: Motion, ankle: float) -> Bodies:
-    """Standing heights are not in the data.  They are taken to be that of the head top, which is
-    as high as the ears, above the lower ankle when the subject stands (99th percentile), with a
-    head's length from ears to crown above and a foot below."""
-    subjects = np.unique(motion.subject)
-    ears = motion.joints[:, INDEX["head_top"], 1] - motion.joints[:, ANKLES, 1].min(1)
-    stand = [np.percentile(ears[motion.subject == s], 99) for s in subjects]
-    bone = [bone_lengths(motion.joints[motion.subject == s]).mean(0) for s in subjects]
-    return Bodies(subjects, np.array(stand) + ankle + TRAGION_TO_CROWN / 1000, np.array(bone))
-
-
-def by_type(values: np.ndarray) -> dict[str, np.ndarray]:
-    """Columns of values [F,13] by the kind of bone, left and right alike."""
-    ends = [JOINTS[end] for _, end in BONES]
-    return {kind: values[:, [ends.index(j) for j in names]] for kind, names in BONE_TYPE.items()}
+    """Head to ankle along the bones, the mean of both sides: [..., 13] -> [...]."""
+    return bones[..., 0] + bones[..., LEG_BONES].sum(-1) / 2
 
 
 def shares(people: Bodies) -> dict[str, float]:
@@ -88,7 +47,7 @@ def shares(people: Bodies) -> dict[str, float]:
     return {kind: round(float(value.mean()), 3) for kind, value in found.items()}
 
 
-def limits(people: Bodies) -> dict[str, tuple[float, float]]:
+def bone_ranges(people: Bodies) -> dict[str, tuple[float, float]]:
     """Shortest and longest bones of people, metres, to the centimetre outwards."""
     return {
         kind: (np.floor(100 * value.min()) / 100, np.ceil(100 * value.max()) / 100)
@@ -99,7 +58,7 @@ def limits(people: Bodies) -> dict[str, tuple[float, float]]:
 # ---- Quality ---------------------------------------------------------------------------------
 
 FEATURES = ("margin", "residual", "misfit", "missing", "bones")
-MOST = {"margin": 2.0, "residual": 0.5, "misfit": 0.5, "missing": 4.0, "bones": 4.0}
+CLAMPS = {"margin": 2.0, "residual": 0.5, "misfit": 0.5, "missing": 4.0, "bones": 4.0}
 
 
 def misfit(joints: np.ndarray, keypoints: np.ndarray) -> np.ndarray:
@@ -117,7 +76,7 @@ def misfit(joints: np.ndarray, keypoints: np.ndarray) -> np.ndarray:
     return np.sqrt(((p - scale[:, None, None] * q) ** 2).sum((1, 2)) / count)
 
 
-def beyond(joints: np.ndarray, allowed: dict[str, tuple[float, float]]) -> np.ndarray:
+def length_violation(joints: np.ndarray, allowed: dict[str, tuple[float, float]]) -> np.ndarray:
     """Metres [F] by which bones are shorter or longer than people's, in all."""
     lengths = by_type(bone_lengths(joints))
     parts = [
@@ -127,17 +86,19 @@ def beyond(joints: np.ndarray, allowed: dict[str, tuple[float, float]]) -> np.nd
     return np.sum(parts, 0)
 
 
-def features(poses, keypoints: np.ndarray, allowed: dict[str, tuple[float, float]]) -> np.ndarray:
+def features(
+    poses: Poses, keypoints: np.ndarray, allowed: dict[str, tuple[float, float]]
+) -> np.ndarray:
     """What quality is computed from, [F,5]."""
     joints = poses.joints.astype(float)
     values = {
-        "margin": poses.margin,
+        "margin": poses.mirror_margin,
         "residual": poses.residual,
         "misfit": misfit(joints, keypoints),
         "missing": (keypoints[..., 2] <= 0).sum(1),
-        "bones": beyond(joints, allowed),
+        "bones": length_violation(joints, allowed),
     }
-    return np.stack([np.minimum(values[name], MOST[name]) for name in FEATURES], 1)
+    return np.stack([np.minimum(values[name], CLAMPS[name]) for name in FEATURES], 1)
 
 
 def sigmoid(score: np.ndarray) -> np.ndarray:
@@ -182,7 +143,7 @@ def joint_types() -> np.ndarray:
 
 
 def draw_hidden(count: int, rng: np.random.Generator) -> np.ndarray:
-    """Masks [F,14] as in training; of every fourth pose, two whole limbs are not seen."""
+    """Masks [F,14] as in training; every fourth pose lacks two limbs."""
     seen = draw_masks(count, rng)
     for i in range(0, count, 4):
         first, second = rng.choice(list(LIMBS), 2, replace=False)
@@ -241,7 +202,7 @@ class Constants:
 
     ankle: float
     shares: dict[str, float]
-    limits: dict[str, tuple[float, float]]
+    bone_range: dict[str, tuple[float, float]]
     quality: dict[str, float]
     uncertainty: np.ndarray
     disagreement: float  # largest ratio of the heights that bones of one person stand for
@@ -253,12 +214,12 @@ def fit(library: Library, motion: Motion) -> Constants:
     people = bodies(motion, ankle)
     share = shares(people)
     joints = draw_people(motion, rng)
-    x, error = quality_data(library, joints, limits(people))
+    x, error = quality_data(library, joints, bone_ranges(people))
     own = np.concatenate([by_type(people.bone)[kind] / share[kind] for kind in BONE_TYPE], 1)
     return Constants(
         ankle,
         share,
-        limits(people),
+        bone_ranges(people),
         fit_quality(x, error < GOOD),
         uncertainty(library, joints, rng),
         float((own.max(1) / own.min(1)).max()),
@@ -266,12 +227,12 @@ def fit(library: Library, motion: Motion) -> Constants:
 
 
 def report(found: Constants) -> str:
-    lines = [f"floor.inc: ankle {found.ankle:.2f} m", "person.inc: shares of the standing height"]
+    lines = [f"stand.h: ankle {found.ankle:.2f} m", "body.h: shares of the standing height"]
     lines += [f"  {kind} {share:.3f}" for kind, share in found.shares.items()]
     lines += [f"  bones of one person disagree by a factor of {found.disagreement:.2f} at most"]
-    lines += ["quality.inc: limits of bones, metres"]
-    lines += [f"  {kind} {low:.2f} {high:.2f}" for kind, (low, high) in found.limits.items()]
-    lines += ["quality.inc: weights"]
+    lines += ["quality.h: range of bones, metres"]
+    lines += [f"  {kind} {low:.2f} {high:.2f}" for kind, (low, high) in found.bone_range.items()]
+    lines += ["quality.h: weights"]
     lines += [f"  {name} {weight:.3f}" for name, weight in found.quality.items()]
     lines += ["uncertainty.c, mm"]
     lines += [

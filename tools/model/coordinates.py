@@ -19,22 +19,22 @@ OUTPUTS = 3 * len(JOINTS)
 
 
 def inputs(
-    keypoints: jax.Array, mask: bool = False, completion: jax.Array | None = None
+    keypoints: jax.Array, mask: bool = False, imputation: jax.Array | None = None
 ) -> jax.Array:
     """2D joints, normalised as those behind the EDM (section 3.1 of the paper).
 
     keypoints [B,14,3], pixels and confidence (0: not seen) -> [B,28]: the centre of the seen
     joints' box is the origin, half its height is 1; joints that are not seen are zero, or where
-    `completion` [14,14] expects them (fit_completion.py).  With `mask` [B,42], the last 14 being 1
-    for seen joints.
+    `imputation` [14,14] expects them (fitting/imputation.py).  With `mask` [B,42]; its last 14 are
+    1 for seen joints.
     """
     points, seen = keypoints[..., :2], keypoints[..., 2:] > 0
     low, high = (edge[:, None] for edge in jax_stages.box(keypoints))
     scaled = (points - (low + high) / 2) / ((high - low)[..., 1:] / 2)
-    if completion is None:
+    if imputation is None:
         scaled = jnp.where(seen, scaled, 0.0)
     else:
-        scaled = jax_stages.complete(scaled, seen[..., 0], completion)
+        scaled = jax_stages.impute(scaled, seen[..., 0], imputation)
     flat = scaled.reshape(len(points), -1)
     return jnp.concatenate([flat, seen[..., 0].astype(flat.dtype)], 1) if mask else flat
 

@@ -1,4 +1,4 @@
-"""FConn, the paper's first network (section 3.2), in JAX: for training alone.
+"""FConn, the paper's first network (section 3.2), in JAX, to be trained.
 
 Fully connected layers, a ReLU behind each: 91-128-128-91, 40,027 parameters.
 """
@@ -13,7 +13,8 @@ Params = dict[str, jax.Array]  # weight0 [inputs,outputs], bias0 [outputs], weig
 
 
 def init(mean_output: np.ndarray, seed: int, hidden: Sequence[int] = (128, 128)) -> Params:
-    """He initialisation; the last bias starts at the mean EDM, for a dead ReLU stays dead."""
+    """He initialisation; the last bias starts at the mean EDM [91], because a dead ReLU stays
+    dead."""
     rng = np.random.default_rng(seed)
     widths = (len(mean_output), *hidden, len(mean_output))
     params = {}
@@ -33,8 +34,8 @@ def predict(params: Params, edm: jax.Array) -> jax.Array:
 def forward(
     params: Params, edm: jax.Array, key: jax.Array | None, dropout: float
 ) -> tuple[jax.Array, Params]:
-    """The same with dropout behind each hidden layer; and what of the parameters is not trained
-    but observed, which is nothing."""
+    """The same with dropout behind each hidden layer; and the parameters that are observed instead
+    of trained: none."""
     x = edm
     last = sum(name.startswith("weight") for name in params) - 1
     for layer in range(last + 1):
@@ -45,7 +46,6 @@ def forward(
     return x, {}
 
 
-def shipped(params: Params) -> dict[str, np.ndarray]:
+def to_arrays(params: Params) -> dict[str, np.ndarray]:
     """The arrays of gen/fconn.npz."""
-    layers = {n: np.asarray(v) for n, v in params.items() if n.startswith(("weight", "bias"))}
-    return layers
+    return {n: np.asarray(v) for n, v in params.items() if n.startswith(("weight", "bias"))}

@@ -1,4 +1,4 @@
-"""FConv, the paper's second network (section 3.2), in JAX: for training alone.
+"""FConv, the paper's second network (section 3.2), in JAX, to be trained.
 
     14x14 -> conv 7x7, 64, BN, ReLU, max pool -> 7x7x64
     -> conv 7x7, 64, BN, ReLU, max pool -> 4x4x64
@@ -14,8 +14,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from edmlift.joints import JOINTS, PAIRS
-from export.fconv import CHANNELS, EPSILON, fold, shorten
-from export.fconv import TAPS as WIDTH
+from model.constants import CHANNELS
+from model.fconv_weights import EPSILON, fold, round_weights
+from model.fconv_weights import TAPS as WIDTH
 
 COUNT = len(JOINTS)
 MOMENTUM = 0.99  # of the running means and variances
@@ -24,7 +25,8 @@ Params = dict[str, jax.Array]
 
 
 def init(mean_output: np.ndarray, seed: int) -> Params:
-    """He initialisation; the last bias starts at the mean distance, for a dead ReLU stays dead."""
+    """He initialisation; the last bias starts at the mean distance, because a dead ReLU stays
+    dead."""
     rng = np.random.default_rng(seed)
 
     def kernel(inputs: int, taps: float) -> np.ndarray:
@@ -58,7 +60,7 @@ def forward(
     deconvolution, as in the paper; and the running means and variances after it."""
     running = {}
 
-    def normalise(x, bn):
+    def normalise(x: jax.Array, bn: str) -> jax.Array:
         mean, variance = params[f"{bn}_mean"], params[f"{bn}_variance"]
         if batch:
             axes = tuple(range(x.ndim - 1))
@@ -69,7 +71,7 @@ def forward(
         scale = params[f"{bn}_scale"] * jax.lax.rsqrt(variance + EPSILON)
         return jax.nn.relu((x - mean) * scale + params[f"{bn}_shift"])
 
-    def drop(x, layer):
+    def drop(x: jax.Array, layer: int) -> jax.Array:
         if dropout == 0:
             return x
         keep = jax.random.bernoulli(jax.random.fold_in(key, layer), 1 - dropout, x.shape)
@@ -88,9 +90,9 @@ def forward(
     return z[:, PAIRS[0], PAIRS[1]], running
 
 
-def shipped(params: Params) -> dict[str, np.ndarray]:
+def to_arrays(params: Params) -> dict[str, np.ndarray]:
     """The arrays of gen/fconv.npz: without batch normalisation, of short weights."""
-    return shorten(fold({name: np.asarray(value) for name, value in params.items()}))
+    return round_weights(fold({name: np.asarray(value) for name, value in params.items()}))
 
 
 def conv1(x: jax.Array, weight: jax.Array) -> jax.Array:

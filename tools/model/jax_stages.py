@@ -1,15 +1,14 @@
 """The differentiable half of the pipeline, in JAX: keypoints -> EDM, and EDM -> pose.
 
-The networks between them are twin.py, fconn.py and fconv.py.
-
-Only training uses it; figures and poses that a table reports come from the C library.
+The networks between them are equivariant.py, fconn.py and fconv.py.  Only training uses these
+stages; figures and poses that a table reports come from the C library.
 """
 
 import jax
 import jax.numpy as jnp
 
 from edmlift.joints import JOINTS, PAIRS
-from model.reference import LEAST, LIGHT
+from model.constants import LEAST_RIDGE, LIGHT_RIDGE
 
 COUNT = len(JOINTS)
 TINY = 1e-9
@@ -22,29 +21,29 @@ def box(keypoints: jax.Array) -> tuple[jax.Array, jax.Array]:
     return low, jnp.max(jnp.where(seen, points, -jnp.inf), 1)
 
 
-def edm_2d(keypoints: jax.Array, completion: jax.Array | None = None) -> jax.Array:
+def edm_2d(keypoints: jax.Array, imputation: jax.Array | None = None) -> jax.Array:
     """Normalised 2D distances of a batch (section 3.1 of the paper).
 
     keypoints [B,14,3], pixels and confidence (0: not seen) -> [B,91].  One factor for x and y:
-    half the vertical extent of the seen joints.  Joints that are not seen are where `completion`
-    [14,14] expects them (fit_completion.py); without one, pairs with such a joint are zero.
+    half the vertical extent of the seen joints.  Joints that are not seen are where `imputation`
+    [14,14] expects them (fitting/imputation.py); without one, pairs with such a joint are zero.
     """
     seen = keypoints[..., 2] > 0
     low, high = box(keypoints)
     points = keypoints[..., :2]
-    if completion is not None:
-        points = complete(points, seen, completion)
+    if imputation is not None:
+        points = impute(points, seen, imputation)
     delta = points[:, PAIRS[0]] - points[:, PAIRS[1]]
     distance = jnp.sqrt(jnp.sum(delta**2, -1)) / ((high - low)[:, 1:] / 2)
-    if completion is not None:
+    if imputation is not None:
         return distance
     return jnp.where(seen[:, PAIRS[0]] & seen[:, PAIRS[1]], distance, 0.0)
 
 
-def complete(points: jax.Array, seen: jax.Array, completion: jax.Array) -> jax.Array:
-    """lib/complete.inc: points [B,14,2] of which `seen` [B,14] count -> all of them."""
+def impute(points: jax.Array, seen: jax.Array, imputation: jax.Array) -> jax.Array:
+    """The impute stage: points [B,14,2] of which `seen` [B,14] count -> all of them."""
     known = jnp.where(seen[..., None], points, 0)
-    system = jnp.where(seen[..., None], 0, completion)
+    system = jnp.where(seen[..., None], 0, imputation)
     among = jnp.eye(COUNT) - system * ~seen[:, None, :]
     return jnp.linalg.solve(among, known + system @ known)
 
@@ -60,14 +59,16 @@ def top_three(gram: jax.Array) -> jax.Array:
     return _top_three_forward(gram)[0]
 
 
-def _top_three_forward(gram):
+def _top_three_forward(gram: jax.Array) -> tuple[jax.Array, tuple[jax.Array, ...]]:
     values, vectors = jnp.linalg.eigh(gram, symmetrize_input=False)
     root = jnp.sqrt(jnp.maximum(values[:, -3:], 1e-9))
     return vectors[:, :, -3:] * root[:, None, :], (values, vectors, root)
 
 
-def _top_three_backward(saved, gradient):
-    """Eigenvectors turn by 1/(w_j - w_i): regularised as d / (d^2 + eps), or near-equal
+def _top_three_backward(
+    saved: tuple[jax.Array, ...], gradient: jax.Array
+) -> tuple[jax.Array]:
+    """Eigenvectors rotate by 1/(w_j - w_i): regularised as d / (d^2 + eps), or near-equal
     eigenvalues would throw the gradient to infinity."""
     values, vectors, root = saved
     inner = jnp.einsum("bni,bnj->bij", vectors, gradient)  # V' G, [B,14,3]
@@ -109,7 +110,7 @@ def nearest_axes(rows: jax.Array) -> jax.Array:
 
 
 def orient(points: jax.Array, keypoints: jax.Array) -> jax.Array:
-    """lib/orient.inc: [B,14,3] in the axes of the camera of keypoints [B,14,3], about the mean of
+    """The orient stage: [B,14,3] in the axes of the camera of keypoints [B,14,3], about the mean of
     the seen joints."""
     seen = (keypoints[..., 2:] > 0).astype(points.dtype)
     points = about_mean(points, seen)
@@ -124,29 +125,30 @@ def orient(points: jax.Array, keypoints: jax.Array) -> jax.Array:
         solution = jnp.linalg.solve(squares + ridge * jnp.eye(3), products)
         return nearest_axes(solution.transpose(0, 2, 1))
 
-    pair = rows(LIGHT)
+    pair = rows(LIGHT_RIDGE)
     across = jnp.einsum("bki,bij,bkj->b", pair, squares, pair)
     fit = jnp.einsum("bki,bik->b", pair, products)
     misfit = across * (across - fit**2) / jnp.maximum(fit**2, TINY)
     misfit = jnp.where(fit > 0, jnp.clip(misfit, 0, 1), 1.0)
-    right, down = (rows(LEAST + misfit[:, None, None])[:, k] for k in range(2))
+    right, down = (rows(LEAST_RIDGE + misfit[:, None, None])[:, k] for k in range(2))
     axes = jnp.stack([right, down, jnp.cross(right, down)], 1)
     return jnp.einsum("bki,bni->bnk", axes, points)
 
 
-# What blend() takes, as it is trained: [share's log-odds, log of the misfit, log of the distance].
-BLEND = jnp.array([1.4, -2.7, 1.5])
+# What fuse() takes, as it is trained: [log-odds of the weight, log of the misfit, log of the
+# distance].
+FUSION = jnp.array([1.4, -2.7, 1.5])
 
 
-def blend_settings(trained: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Share (0 to 1), misfit (metres) and distance (metres) of the trained numbers."""
+def fusion_settings(trained: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Weight (0 to 1), misfit (metres) and distance (metres) of the trained numbers."""
     return jax.nn.sigmoid(trained[0]), jnp.exp(trained[1]), jnp.exp(trained[2])
 
 
-def blend(points: jax.Array, keypoints: jax.Array, trained: jax.Array) -> jax.Array:
-    """lib/blend.inc: [B,14,3] in camera axes, the seen joints moved to where the image of keypoints
-    [B,14,3] has them; mean of the seen at 0."""
-    share, misfit, distance = blend_settings(trained)
+def fuse(points: jax.Array, keypoints: jax.Array, trained: jax.Array) -> jax.Array:
+    """The fuse stage: [B,14,3] in camera axes, the seen joints moved to where the image of
+    keypoints [B,14,3] has them; mean of the seen at 0."""
+    weight, misfit, distance = fusion_settings(trained)
     middle = sum(box(keypoints))[:, None] / 2
     seen = (keypoints[..., 2:] > 0).astype(points.dtype)
     points = about_mean(points, seen)
@@ -156,24 +158,26 @@ def blend(points: jax.Array, keypoints: jax.Array, trained: jax.Array) -> jax.Ar
     scale = jnp.sum(flat * image, (1, 2), keepdims=True) / jnp.sum(image**2, (1, 2), keepdims=True)
     off = scale * image - flat
     square = jnp.sum(off**2, (1, 2), keepdims=True) / jnp.sum(seen, 1, keepdims=True)
-    part = share * misfit**2 / (misfit**2 + square)
+    part = weight * misfit**2 / (misfit**2 + square)
     return points.at[..., :2].add(part * off)
 
 
-def poses(distances: jax.Array, keypoints: jax.Array, truth: jax.Array, trained: jax.Array):
+def poses(
+    distances: jax.Array, keypoints: jax.Array, truth: jax.Array, trained: jax.Array
+) -> jax.Array:
     """The pipeline behind the network, with the true mirror image: distances [B,91], keypoints
     and truth [B,14,3] -> [B,14,3] in camera axes, about the mean of the seen joints."""
     points = orient(classical_mds(distances), keypoints)
     depth = truth[..., 2] - truth[..., 2].mean(1, keepdims=True)
     behind = jnp.sum(points[..., 2] * depth, 1) < 0
     points = points.at[..., 2].multiply(jnp.where(behind, -1.0, 1.0)[:, None])
-    return blend(points, keypoints, trained)
+    return fuse(points, keypoints, trained)
 
 
 def camera_errors(points: jax.Array, truth: jax.Array) -> jax.Array:
     """Distance of each joint as poses() has it, only moved onto the mean, [B,14], metres."""
-    apart = points - points.mean(1, keepdims=True) - truth + truth.mean(1, keepdims=True)
-    return jnp.sqrt(jnp.sum(apart**2, -1) + TINY)
+    difference = points - points.mean(1, keepdims=True) - truth + truth.mean(1, keepdims=True)
+    return jnp.sqrt(jnp.sum(difference**2, -1) + TINY)
 
 
 def joint_errors(points: jax.Array, truth: jax.Array, mirror: bool = True) -> jax.Array:

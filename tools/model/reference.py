@@ -10,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from edmlift.joints import INDEX, PAIR_TWINS, PAIRS, SELF_TWINS, mid_hip
-from fitting.imputation import read_header
+from edmlift.joints import INDEX, PAIRS, mid_hip
+from edmlift.joints import PAIR_TWINS as PAIR_MIRROR
+from edmlift.joints import SELF_TWINS as SELF_MIRRORED
+from model.constants import LEAST_RIDGE, LIGHT_RIDGE, Q12, SOFTENING, imputation
 
 COUNT = 14
 
@@ -26,12 +28,12 @@ class Model:
 
     layers: list[tuple[np.ndarray, np.ndarray]]
     fewest_joints: int
-    widest: float
+    max_aspect: float
     objective: str
     refine_steps: int
     mirror: np.ndarray
-    blend: dict[str, float]  # the last three arguments of blend()
-    completion: np.ndarray | None = None  # of edm()
+    fusion: dict[str, float]  # the last three arguments of fuse()
+    imputation: np.ndarray | None = None  # of edm()
 
 
 def read_model(weights: Path) -> Model:
@@ -39,72 +41,76 @@ def read_model(weights: Path) -> Model:
     manifest = json.loads(weights.with_suffix(".json").read_text("utf-8"))
     with np.load(weights) as arrays:
         layers = [(arrays[f"weight{n}"], arrays[f"bias{n}"]) for n in range(len(arrays) // 2)]
-    names = ("fewest_joints", "widest", "objective", "refine_steps", "blend")
+    names = ("fewest_joints", "max_aspect", "objective", "refine_steps", "fusion")
     picked = {name: manifest[name] for name in names}
-    completion = read_header() if manifest["missing"] == "completed" else None
-    mirror = np.array(manifest["mirror"])
-    return Model(layers, mirror=mirror, completion=completion, **picked)
+    imputed = imputation() if manifest["missing"] == "imputed" else None
+    return Model(layers, mirror=np.array(manifest["mirror"]), imputation=imputed, **picked)
 
 
 def edm(
-    keypoints: np.ndarray, fewest: int, widest: float, completion: np.ndarray | None = None
+    keypoints: np.ndarray,
+    fewest_joints: int,
+    max_aspect: float,
+    imputation: np.ndarray | None = None,
 ) -> np.ndarray:
     """Normalised 2D distances [91] of keypoints [14,3] (x, y, confidence); section 3.1.
 
-    completion [14,14]: weights by which a joint follows the others; where it is None, distances
+    imputation [14,14]: weights by which a joint follows the others; where it is None, distances
     from joints that were not seen are zero.
     """
     xy, confidence = keypoints[:, :2], keypoints[:, 2]
     seen = confidence > 0
     if not np.isfinite(confidence).all() or not np.isfinite(xy[seen]).all():
         raise Refused("not_finite")
-    if seen.sum() < fewest:
+    if seen.sum() < fewest_joints:
         raise Refused("too_few_joints")
     half = np.ptp(xy[seen, 1]) / 2
     if half <= np.abs(xy[seen]).max() / 4096:
         raise Refused("degenerate")
-    if np.ptp(xy[seen, 0]) / 2 > widest * half:
+    if np.ptp(xy[seen, 0]) / 2 > max_aspect * half:
         raise Refused("unusual")
     spread = np.linalg.svd(xy[seen] - xy[seen].mean(0), compute_uv=False)
     if spread[1] <= spread[0] / 128:
         raise Refused("degenerate")
-    if completion is not None:
-        xy, seen = complete(xy, seen, completion), np.ones(COUNT, bool)
+    if imputation is not None:
+        xy, seen = impute(xy, seen, imputation), np.ones(COUNT, bool)
     distance = np.linalg.norm(xy[:, None] / half - xy[None] / half, axis=-1)
     distance[~seen] = distance[:, ~seen] = 0
     return distance[PAIRS]
 
 
-def complete(xy: np.ndarray, seen: np.ndarray, completion: np.ndarray) -> np.ndarray:
-    """Points [14,2] of which those that were not seen [14] are where the others let expect them.
+def impute(xy: np.ndarray, seen: np.ndarray, imputation: np.ndarray) -> np.ndarray:
+    """Points [14,2]; those that were not seen [14] are at their conditional mean given the others.
 
-    From the seen ones' mean, so that a weight that is a little off does not move what is far off.
+    The origin is the seen ones' mean, so that a small error of a weight does not move points far
+    from the image's own origin.
     """
     middle = xy[seen].mean(0)
-    laplacian = np.eye(COUNT) - completion
-    right = -laplacian[np.ix_(~seen, seen)] @ (xy[seen] - middle)
+    system = np.eye(COUNT) - imputation
+    right = -system[np.ix_(~seen, seen)] @ (xy[seen] - middle)
     out = xy.copy()
-    out[~seen] = np.linalg.solve(laplacian[np.ix_(~seen, ~seen)], right) + middle
+    out[~seen] = np.linalg.solve(system[np.ix_(~seen, ~seen)], right) + middle
     return out
 
 
 def net(layers: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarray:
-    """FConn: [91] -> [91] metres; section 3.2.  With 49 outputs, those of twins, twin()."""
-    if len(layers[-1][1]) == len(PAIR_TWINS):
-        return twin(layers, x)
+    """FConn: [91] -> [91] metres; section 3.2.  With 49 outputs, equivariant()."""
+    if len(layers[-1][1]) == len(PAIR_MIRROR):
+        return equivariant(layers, x)
     for weight, bias in layers:
         x = np.maximum(x @ weight.astype(float) + bias, 0)
     return x
 
 
-def twin(layers: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarray:
+def equivariant(layers: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarray:
     """FConn with left and right alike, as a plain one of twice the width: [91] -> [91] metres.
 
-    It reads d^2 / (d + 0.6) of a distance d.  A unit reads first and second twins by the sum of its
-    even and its odd weights and by their difference, its own twin the other way round.
+    It reads d^2 / (d + 0.6) of a distance d.  A unit reads the first of each mirror pair by the sum
+    of its even and its odd weights and the second by their difference; its mirror unit, the other
+    way round.
     """
-    first, second = PAIR_TWINS.T
-    x = x * x / (x + 2458 / 4096)
+    first, second = PAIR_MIRROR.T
+    x = x * x / (x + SOFTENING / Q12)
     x = np.concatenate([x[first], x[second]])
     for weight, bias in layers:
         even = weight[: len(x) // 2].astype(float)
@@ -112,7 +118,7 @@ def twin(layers: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarr
         odd[: len(weight) - len(even)] = weight[len(even) :]
         dense = np.block([[even + odd, even - odd], [even - odd, even + odd]])
         x = np.maximum(x @ dense + np.tile(bias, 2), 0)
-    out = np.zeros(len(first) + len(second) - SELF_TWINS)
+    out = np.zeros(len(first) + len(second) - SELF_MIRRORED)
     out[first], out[second] = np.split(x, 2)
     return out
 
@@ -120,7 +126,7 @@ def twin(layers: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarr
 def fconv(params: dict[str, np.ndarray], x: np.ndarray) -> np.ndarray:
     """FConv: [91] -> [91] metres; section 3.2.
 
-    params  arrays as tools/fconv_weights.py names them, with or without batch normalisation
+    params  arrays as model/fconv_weights.py names them, with or without batch normalisation
     """
     params = {name: np.asarray(array, float) for name, array in params.items()}
     maps = square(x)[:, :, None]
@@ -243,7 +249,9 @@ def laplacian(pair_values: np.ndarray) -> np.ndarray:
     return np.diag(matrix.sum(1)) - matrix
 
 
-def line_minimum(points, step, w, distance) -> float:
+def line_minimum(
+    points: np.ndarray, step: np.ndarray, w: np.ndarray, distance: np.ndarray
+) -> float:
     """Smallest positive minimiser of the weighted s-stress along a line: roots of a cubic."""
     start, along = points[PAIRS[0]] - points[PAIRS[1]], step[PAIRS[0]] - step[PAIRS[1]]
     r = (start**2).sum(1) - distance**2  # d^2 - D^2 = r + b t + a t^2
@@ -263,7 +271,7 @@ def line_minimum(points, step, w, distance) -> float:
     return float(min(r.real for r in roots if abs(r.imag) < 1e-9 * abs(r) and r.real > 0))
 
 
-ARMS = (("right_shoulder", "right_elbow"), ("left_shoulder", "left_elbow"))
+UPPER_ARMS = (("right_shoulder", "right_elbow"), ("left_shoulder", "left_elbow"))
 FOREARMS = (("right_elbow", "right_wrist"), ("left_elbow", "left_wrist"))
 HEAD = (("neck", "head_top"),)
 THIGHS = (("right_hip", "right_knee"), ("left_hip", "left_knee"))
@@ -276,7 +284,7 @@ def mirror_features(points: np.ndarray) -> np.ndarray:
     [...,14,3] -> [...,5].  Sums of cosines over right and left; the mirror image has them negated.
     """
 
-    def bone(start, end):
+    def bone(start: str, end: str) -> np.ndarray:
         return points[..., INDEX[end], :] - points[..., INDEX[start], :]
 
     up = points[..., INDEX["neck"], :] - mid_hip(points)
@@ -286,7 +294,7 @@ def mirror_features(points: np.ndarray) -> np.ndarray:
         [
             sum((unit(bone(*pair)) * front).sum(-1) for pair in group)
             for group, front in (
-                (ARMS, chest),
+                (UPPER_ARMS, chest),
                 (FOREARMS, chest),
                 (HEAD, chest),
                 (THIGHS, pelvis),
@@ -310,7 +318,9 @@ def mirror(points: np.ndarray, weights5: np.ndarray) -> tuple[np.ndarray, float]
 
 
 # Joint limits.  Kinds of bones, each with those of its right and left; what hangs on which.
-LIMBS = {"arms": ARMS, "forearms": FOREARMS, "head": HEAD, "thighs": THIGHS, "shins": SHINS}
+BONE_KINDS = {
+    "arms": UPPER_ARMS, "forearms": FOREARMS, "head": HEAD, "thighs": THIGHS, "shins": SHINS
+}  # fmt: skip
 HANGS_ON = {"forearms": "arms", "shins": "thighs"}
 CELLS, PARENT_CELLS = 16, 8  # of the octahedral maps, along a side
 STRAIGHT = np.array([1.0, -1.0, 1.0]) / np.sqrt(3)  # outward, down, forward
@@ -336,7 +346,7 @@ def limb_directions(points: np.ndarray) -> dict[str, np.ndarray]:
     chest = torso_axes(points, "right_shoulder", "left_shoulder")
     pelvis = torso_axes(points, "right_hip", "left_hip")
     found = {}
-    for kind, bones in LIMBS.items():
+    for kind, bones in BONE_KINDS.items():
         axes = pelvis if kind in ("thighs", "shins") else chest
         ends = [points[..., INDEX[end], :] - points[..., INDEX[start], :] for start, end in bones]
         local = np.einsum("...ij,...nj->...ni", axes, unit(np.stack(ends, -2)))
@@ -362,7 +372,7 @@ def octahedral(direction: np.ndarray, cells: int = CELLS) -> tuple[np.ndarray, n
     return row, column
 
 
-def limits(points: np.ndarray, maps: dict[str, np.ndarray]) -> np.ndarray:
+def violations(points: np.ndarray, maps: dict[str, np.ndarray]) -> np.ndarray:
     """How many of the nine bones point where people's do not: [...,14,3] -> [...].
 
     maps: where they do, by kind: bool [16,16], or [8,8,16,16] by the cell of what they hang on.
@@ -379,9 +389,6 @@ def limits(points: np.ndarray, maps: dict[str, np.ndarray]) -> np.ndarray:
     return count
 
 
-LIGHT, LEAST = 0.001, 0.0001  # ridges, as a share of the spread
-
-
 def orient(points: np.ndarray, keypoints: np.ndarray) -> np.ndarray:
     """Scaled-orthographic alignment to the image, ridged by its misfit; root at mid-hip."""
     seen = keypoints[:, 2] > 0
@@ -394,21 +401,21 @@ def orient(points: np.ndarray, keypoints: np.ndarray) -> np.ndarray:
         u, _, vt = np.linalg.svd(np.linalg.solve(squares, centred.T @ image).T, full_matrices=False)
         return u @ vt
 
-    across = centred @ rows(LIGHT).T
+    across = centred @ rows(LIGHT_RIDGE).T
     scale = np.sum(across * image) / np.sum(across**2)
     misfit = np.sum((image / scale - across) ** 2) / spread if scale > 0 else 1.0
-    axes = rows(LEAST + min(misfit, 1.0))
+    axes = rows(LEAST_RIDGE + min(misfit, 1.0))
     points = points @ np.vstack([axes, np.cross(axes[0], axes[1])]).T
     return points - mid_hip(points)
 
 
-def blend(
-    points: np.ndarray, keypoints: np.ndarray, share: float, misfit: float, distance: float
+def fuse(
+    points: np.ndarray, keypoints: np.ndarray, weight: float, misfit: float, distance: float
 ) -> np.ndarray:
-    """Weighted mean of a pose of orient() and its image across the axis; root at mid-hip.
+    """Weighted mean of the x and y of a pose of orient() and those of its image; root at mid-hip.
 
-    The image is that of the joints at the depth of their middle, seen from `distance`; its weight
-    is share / (1 + square / misfit^2), square being the mean square of the disagreement.
+    The image is taken from `distance` metres, and brought to the depth of the joints' middle.  Its
+    weight is weight / (1 + square / misfit^2), square being the mean square of the disagreement.
     """
     seen = keypoints[:, 2] > 0
     points = points - points[seen].mean(0)
@@ -419,16 +426,16 @@ def blend(
     if scale > 0:
         off = scale * image - points[seen, :2]
         square = np.sum(off**2) / seen.sum()
-        points[seen, :2] += share / (1 + square / misfit**2) * off
+        points[seen, :2] += weight / (1 + square / misfit**2) * off
     return points - mid_hip(points)
 
 
 def lift(model: Model, keypoints: np.ndarray) -> tuple[np.ndarray, float, float]:
     """Pose [14,3], mirror margin and residual of keypoints [14,3]; raises Refused."""
     distance = net(
-        model.layers, edm(keypoints, model.fewest_joints, model.widest, model.completion)
+        model.layers, edm(keypoints, model.fewest_joints, model.max_aspect, model.imputation)
     )
     points = refine(mds(distance), distance, model.objective, model.refine_steps)
     points, margin = mirror(points, model.mirror)
-    pose = blend(orient(points, keypoints), keypoints, **model.blend)
+    pose = fuse(orient(points, keypoints), keypoints, **model.fusion)
     return pose, margin, np.sqrt(stress(points, distance, "raw"))

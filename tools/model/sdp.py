@@ -1,13 +1,17 @@
 """From distances to points as the paper does it: a semidefinite relaxation, then gradient descent.
 
-The library does not; it is what tools/evaluate_points.py measures the library against.  Needs
+The library does not; it is what tools/evaluation/scaling.py measures the library against.  Needs
 tools/requirements-sdp.txt.
 """
 
-import cvxpy
 import numpy as np
 
 from edmlift.joints import JOINTS, PAIRS
+
+try:
+    import cvxpy
+except ImportError:  # it is not in tools/requirements.txt
+    cvxpy = None
 
 COUNT = len(JOINTS)
 STEPS = 500  # of the descent, at most
@@ -18,12 +22,14 @@ class Relaxation:
     """Eq. 2 with the rank of the Gram matrix left free (section 3.3).
 
     Over Y [14,14], positive semidefinite, Y 1 = 0: least sum |d_ij^2(Y) - D_ij^2| - trace(Y),
-    where d_ij^2 = Y_ii + Y_jj - 2 Y_ij.  The trace keeps points apart, for the lack of anchors.
+    where d_ij^2 = Y_ii + Y_jj - 2 Y_ij.  The trace keeps points apart: there are no anchors.
     Y = V Z V', V [14,13] an orthonormal basis of what adds up to 0: no Y 1 = 0 has an interior,
     which the solver needs, but Z has.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
+        if cvxpy is None:
+            raise ValueError("no cvxpy: pip install -r tools/requirements-sdp.txt")
         self._basis = np.linalg.svd(np.ones((1, COUNT)))[2][1:].T
         self._inner = cvxpy.Variable((COUNT - 1, COUNT - 1), PSD=True)
         self._target = cvxpy.Parameter(len(PAIRS[0]), nonneg=True)
