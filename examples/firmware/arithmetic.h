@@ -2,15 +2,15 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "edmlift.h"
+#include "edmlift/fixed.h"
 
 #ifdef FIRMWARE_FIXED
 
-#define MODEL edml_fconn_q15
-#define LIFT edml_lift_q24
-typedef edml_keypoint_q16 keypoint;
-typedef edml_pose_q16 pose;
-typedef edml_work_q24 work_memory;
+#define MODEL edml_fconn_w16
+#define LIFT edml_lift_q
+typedef edml_keypoint_q keypoint;
+typedef edml_pose_q pose;
+typedef edml_work_q work_memory;
 
 static int32_t pixels(int32_t hundredths) { return hundredths * 16384 / 25; } /* <= 1310 pixels */
 static int16_t confidence(int32_t seen) { return seen ? 32767 : 0; }

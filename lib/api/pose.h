@@ -1,28 +1,38 @@
-/* A pose that was given: is it one?  Its joints.
+/* Poses as the public interface has them, to points and back.
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_POSE_H
+#define EDML_POSE_H
 
-#define LARGEST REAL(4.0) /* |coordinate| of a pose, metres */
-#define WITHIN(a) ((a) < RESULT(LARGEST) && (a) > -RESULT(LARGEST)) /* NaN is not */
+#include "api.h"
 
-static int is_pose(const pose *given)
+#define POSE_REACH REAL(4.0) /* |coordinate| of a pose is below this, metres */
+
+/* false for NaN */
+static inline int is_within_reach(api_real a) { return a < TO_API(POSE_REACH) && a > -TO_API(POSE_REACH); }
+
+static inline int is_pose(const edml_pose *pose)
 {
-    for (int j = 0; j < EDML_JOINTS; j++)
-        if (!WITHIN(given->joint[j].x) || !WITHIN(given->joint[j].y) || !WITHIN(given->joint[j].z))
-            return 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const edml_point p = pose->joint[j];
+        if (!is_within_reach(p.x) || !is_within_reach(p.y) || !is_within_reach(p.z)) return 0;
+    }
     return 1;
 }
 
-/* Joint of the pose, metres. */
-static point given_joint(const pose *given, int j)
+/* A joint of the pose, metres. */
+static inline point pose_joint(const edml_pose *pose, int j)
 {
-    const point p = {GIVEN(given->joint[j].x), GIVEN(given->joint[j].y), GIVEN(given->joint[j].z)};
-    return p;
-}
-
-static placed_point result(point p)
-{
-    const placed_point q = {RESULT(p.x), RESULT(p.y), RESULT(p.z)};
+    const edml_point p = pose->joint[j];
+    const point q = {FROM_API(p.x), FROM_API(p.y), FROM_API(p.z)};
     return q;
 }
+
+static inline edml_point api_point(point p)
+{
+    const edml_point q = {TO_API(p.x), TO_API(p.y), TO_API(p.z)};
+    return q;
+}
+
+#endif

@@ -1,47 +1,51 @@
-/* Rotations, and the one that turns points best onto others.
+/* Rotations, and the one that rotates points best onto others.
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_ROTATION_H
+#define EDML_ROTATION_H
 
-/* A matrix by its rows.  Of a rotation they are the axes of one frame in those of another. */
+#include "vector.h"
+
+/* A matrix by its rows; a rotation's are the axes of one frame in those of another. */
 typedef struct {
     point x, y, z;
-} axes;
+} matrix3;
 
-static point turned(const axes *by, point p)
+static point rotate(const matrix3 *by, point p)
 {
     const point q = {dot(by->x, p), dot(by->y, p), dot(by->z, p)};
     return q;
 }
 
-/* By the transposed matrix: of a rotation, the other way. */
-static point turned_back(const axes *by, point q)
+/* By the transposed matrix, which is a rotation's inverse. */
+static point rotate_back(const matrix3 *by, point q)
 {
     return plus(plus(times(q.x, by->x), times(q.y, by->y)), times(q.z, by->z));
 }
 
-static axes transposed(const axes *r)
+static matrix3 transpose(const matrix3 *r)
 {
-    const axes back = {{r->x.x, r->y.x, r->z.x}, {r->x.y, r->y.y, r->z.y}, {r->x.z, r->y.z, r->z.z}};
+    const matrix3 back = {{r->x.x, r->y.x, r->z.x}, {r->x.y, r->y.y, r->z.y}, {r->x.z, r->y.z, r->z.z}};
     return back;
 }
 
-static axes after(const axes *second, const axes *first)
+static matrix3 compose(const matrix3 *second, const matrix3 *first)
 {
-    const axes both = {turned_back(first, second->x), turned_back(first, second->y),
-                       turned_back(first, second->z)};
+    const matrix3 both = {rotate_back(first, second->x), rotate_back(first, second->y),
+                       rotate_back(first, second->z)};
     return both;
 }
 
 /* Rotation of the quaternion (w, v), whose square is between 1/4 and 64. */
-static axes rotation_of(real w, point v)
+static matrix3 quaternion_rotation(real w, point v)
 {
-    const real share = DIV(REAL(2.0), MUL(w, w) + dot(v, v));
-    const point a = times(share, v);
+    const real ratio = DIV(REAL(2.0), MUL(w, w) + dot(v, v));
+    const point a = times(ratio, v);
     const real xx = MUL(a.x, v.x), yy = MUL(a.y, v.y), zz = MUL(a.z, v.z);
     const real xy = MUL(a.x, v.y), xz = MUL(a.x, v.z), yz = MUL(a.y, v.z);
     const real wx = MUL(a.x, w), wy = MUL(a.y, w), wz = MUL(a.z, w);
-    const axes r = {{REAL(1.0) - yy - zz, xy - wz, xz + wy},
+    const matrix3 r = {{REAL(1.0) - yy - zz, xy - wz, xz + wy},
                     {xy + wz, REAL(1.0) - xx - zz, yz - wx},
                     {xz - wy, yz + wx, REAL(1.0) - xx - yy}};
     return r;
@@ -51,15 +55,15 @@ static axes rotation_of(real w, point v)
  * quaternions", 1987) ---------------------------------------------------------------------------- */
 
 enum { SQUARINGS = 10 };
-#define PURE REAL(0.9999) /* trace of the square of a matrix of trace 1: nothing else is left */
+#define PURE_TRACE REAL(0.9999) /* trace of the square of a matrix of trace 1: nothing else is left */
 
 typedef struct {
     real at[4][4];
 } horn_matrix;
 
-/* Horn's N for points p that shall turn onto q, sum q p' = m with squares that add up to 1; shifted to
+/* Horn's N for points p that are to be rotated onto q, sum q p' = m with squares that add up to 1; shifted to
  * have no negative eigenvalue, and divided by its trace. */
-static horn_matrix horn_matrix_of(const axes *m)
+static horn_matrix horn_matrix_of(const matrix3 *m)
 {
     const real shift = REAL(1.75); /* > sqrt(3), at which N's eigenvalues end */
     const real xx = m->x.x, yy = m->y.y, zz = m->z.z;
@@ -97,19 +101,21 @@ static real square_and_scale(horn_matrix *n)
 /* The rotation r of the largest trace(r' m), whatever the sign of m's determinant; 0 if m is zero.
  * Its quaternion is N's eigenvector of the largest eigenvalue, which repeated squaring leaves alone
  * in the matrix. */
-static int best_rotation(axes *r, const axes *m)
+static int nearest_rotation(matrix3 *r, const matrix3 *m)
 {
     const real size = NORM(norm(m->x), norm(m->y), norm(m->z));
     if (!(size > EPSILON)) return 0;
-    const axes unit = {over(m->x, size), over(m->y, size), over(m->z, size)};
+    const matrix3 unit = {over(m->x, size), over(m->y, size), over(m->z, size)};
     horn_matrix n = horn_matrix_of(&unit);
     for (int k = 0; k < SQUARINGS; k++)
-        if (square_and_scale(&n) > PURE) break;
+        if (square_and_scale(&n) > PURE_TRACE) break;
     int best = 0;
     for (int k = 1; k < 4; k++)
         if (n.at[k][k] > n.at[best][best]) best = k;
     const point v = {n.at[best][1], n.at[best][2], n.at[best][3]};
     const real scale = REAL(2.0); /* the column's square is its largest entry, 1/4 to 1 */
-    *r = rotation_of(MUL(scale, n.at[best][0]), times(scale, v));
+    *r = quaternion_rotation(MUL(scale, n.at[best][0]), times(scale, v));
     return 1;
 }
+
+#endif

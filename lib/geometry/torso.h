@@ -2,14 +2,19 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_TORSO_H
+#define EDML_TORSO_H
+
+#include "vector.h"
 
 enum { ARMS, FOREARMS, HEAD, THIGHS, SHINS };
+enum { OUTER_BONES = 9 };
 
-/* Right and left take turns; forearms and shins come two after the bone that they hang on. */
+/* Right and left alternate; a forearm and a shin come two after the bone that they hang on. */
 static const struct {
     uint8_t from, to, kind;
-} outer_bones[9] = {
-    {EDML_NECK, EDML_HEAD_TOP, HEAD},
+} outer_bones[OUTER_BONES] = {
+    {EDML_NECK_BASE, EDML_HEAD, HEAD},
     {EDML_R_SHOULDER, EDML_R_ELBOW, ARMS},
     {EDML_L_SHOULDER, EDML_L_ELBOW, ARMS},
     {EDML_R_ELBOW, EDML_R_WRIST, FOREARMS},
@@ -20,24 +25,13 @@ static const struct {
     {EDML_L_KNEE, EDML_L_ANKLE, SHINS},
 };
 
-static point middle(point a, point b)
-{
-    const point half = {(a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2};
-    return half;
-}
-
-/* Unit vector; or none, where there is no length.  Of the points of any distances up to 3 m, all
- * vectors here are under 11 m; of poses within 4 m on each axis, under 14 m. */
-static point direction(point a)
-{
-    const point none = {0, 0, 0};
-    const real length = norm(a);
-    return length > EPSILON ? over(a, length) : none;
-}
-
-/* Normal of the torso, from its back to its front: (toward the subject's left) x (upward). */
+/* Normal of the torso, from its back to its front: (toward the subject's left) x (upward).  Zero if the
+ * torso has no front.  Vectors here are under 11 m for points of any distances up to 3 m, and under 14 m
+ * for poses within 4 m on each axis. */
 static point forward(const point x[EDML_JOINTS], int right, int left)
 {
-    const point up = minus(x[EDML_NECK], middle(x[EDML_R_HIP], x[EDML_L_HIP]));
+    const point up = minus(x[EDML_NECK_BASE], midpoint(x[EDML_R_HIP], x[EDML_L_HIP]));
     return direction(cross(direction(minus(x[left], x[right])), direction(up)));
 }
+
+#endif

@@ -15,7 +15,7 @@
 #define COCO_FACE {3, 4}, {1, 2, 0}
 #define MPI_LIMBS {2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}
 
-/* Name, keypoints, shares of the image or not, limb, ears, face, crown, centre. */
+/* Name, keypoints, normalised or not, limb, ears, face, crown, centre. */
 const edml_format edml_coco17 = {"coco17", 17, 0, COCO_LIMBS, COCO_FACE, NO, NO};
 const edml_format edml_body25 = {
     "body25", 25, 0, {2, 3, 4, 5, 6, 7, 9, 10, 11, 12, 13, 14}, {18, 17}, {16, 15, 0}, NO, NO};

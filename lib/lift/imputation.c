@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "edmlift.h"
+#include "edmlift/stages.h"
 
-#include "../gen/completion.h"
+#include "../../gen/imputation.h"

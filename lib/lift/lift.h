@@ -1,51 +1,45 @@
-/* The pipeline: strings the stages together.  With LIFT_BY_FCONV it is that of the network that has
- * a lift, and memory, of its own.
+/* The lift: strings the stages together.
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_LIFT_H
+#define EDML_LIFT_H
 
-#ifdef LIFT_BY_FCONV
-#define LIFT NAME(edml_lift_fconv)
-#define NET NAME(edml_net_fconv)
-#define CAN_RUN RUNS_FCONV
-#define SHARED(memory) (&(memory)->lift)
-typedef fconv_work_memory lift_memory;
-#else
-#define LIFT NAME(edml_lift)
-#define NET NAME(edml_net)
-#define CAN_RUN RUNS
-#define SHARED(memory) (memory)
-typedef work_memory lift_memory;
-#endif
+#include "../api/pose.h"
+#include "../network/model.h"
+#include "edm.h"
+#include "fuse.h"
+#include "mds.h"
+#include "mirror.h"
+#include "orient.h"
+#include "refine.h"
 
-edml_status LIFT(pose *out, const keypoint in[EDML_JOINTS], const edml_model *model,
-                 lift_memory *memory)
+edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
+                      void *memory, size_t work_bytes)
 {
-    if (out == NULL || in == NULL || model == NULL || memory == NULL) return EDML_ERR_ARGUMENT;
-    if (!CAN_RUN(model)) return EDML_ERR_MODEL;
-    work_memory *work = SHARED(memory);
-    real *edm = work->use.layer[0];
-    edml_status status = NAME(edml_edm)(edm, in, model->fewest_joints, SETTING(model->widest),
-                                        model->completion);
+    if (pose == NULL || in == NULL || model == NULL || memory == NULL) return EDML_ERR_ARGUMENT;
+    edml_status status = edml__check_model(model, WORK_BYTES(model), memory, work_bytes);
+    if (status != EDML_OK) return status;
+    edml_work *const work = memory;
+    real *const edm = work->scratch.layer[0];
+    status = image_distances(edm, in, model->fewest_joints, PARAM(model->max_aspect),
+                             model->imputation, edm);
     if (status != EDML_OK) return status;
 
     const uint16_t seen = seen_joints(in);
-    const edml_objective objective = (edml_objective)model->objective;
-    NET(work->distance, edm, model, memory);
-    NAME(edml_mds)(work->x, work->distance, work);
-    NAME(edml_refine)(work->x, work->distance, objective, model->refine_steps, work);
-    const real residual = SQRT(NAME(edml_stress)(work->x, work->distance, EDML_STRESS_RAW));
-    const real margin = NAME(edml_mirror)(work->x, model);
-    status = NAME(edml_orient)(work->x, in, seen);
+    RUN_NETWORK(work->distance, edm, model, work);
+    edml_mds(work->x, work->distance, work);
+    edml_refine(work->x, work->distance, (edml_objective)model->objective, model->refine_steps, work);
+    const real residual = SQRT(edml_stress(work->x, work->distance, EDML_STRESS_RAW));
+    const real margin = edml_mirror(work->x, model);
+    status = edml_orient(work->x, in, seen);
     if (status != EDML_OK) return status;
-    NAME(edml_blend)(work->x, in, seen, model);
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        out->joint[j].x = RESULT(work->x[j].x);
-        out->joint[j].y = RESULT(work->x[j].y);
-        out->joint[j].z = RESULT(work->x[j].z);
-    }
-    out->residual = RESULT(residual);
-    out->mirror_margin = RESULT(margin);
-    out->seen = seen;
+    edml_fuse(work->x, in, seen, model);
+    for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j] = api_point(work->x[j]);
+    pose->residual = TO_API(residual);
+    pose->mirror_margin = TO_API(margin);
+    pose->seen = seen;
     return EDML_OK;
 }
+
+#endif

@@ -1,20 +1,4 @@
-/* The stages in float32, in the order in which data flow.
- *
- * SPDX-License-Identifier: MIT
- */
-#include "real_f32.h"
+/* SPDX-License-Identifier: MIT */
+#include "../api/api_f32.h"
 
-#include "seen.inc"
-#include "vector.inc"
-
-#include "complete.inc"
-#include "edm.inc"
-#include "jacobi.inc"
-#include "mds.inc"
-#include "refine.inc"
-#include "torso.inc"
-#include "mirror.inc"
-#include "orient.inc"
-#include "blend.inc"
-
-#include "lift.inc"
+#include "lift.h"

@@ -2,24 +2,28 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_MDS_H
+#define EDML_MDS_H
 
-/* What counts as zero in the Gram matrix, see zeros: the first three relative to its largest entry.
- * Their effect on the points is measured in tests/test_mds.c. */
-#define FINEST REAL(5.9604644775390625e-8) /* 2^-24: rounding */
-#define TIGHT REAL(9.5367431640625e-7)     /* 2^-20 */
-#define LOOSE REAL(0.0078125)              /* 2^-7 */
-#define ANGLE REAL(0.00006103515625)        /* 2^-14 */
+#include "jacobi.h"
+
+/* The thresholds of jacobi.h, the first three relative to the largest entry of the Gram matrix.
+ * test_mds.c measures their effect on the points. */
+#define MDS_ROUNDING REAL(5.9604644775390625e-8) /* 2^-24: rounding */
+#define MDS_WANTED REAL(9.5367431640625e-7)     /* 2^-20 */
+#define MDS_UNWANTED REAL(0.0078125)              /* 2^-7 */
+#define MDS_ANGLE REAL(0.00006103515625)        /* 2^-14 */
 
 /* Double centring: the Gram matrix J A J of centred points, A = -D^2/2, has the null vector
  * (1, ..., 1).  Instead of subtracting means, reflect that vector onto the last axis: I - u u'/h
  * with u = (ALPHA, ..., ALPHA, 1 + ALPHA) and h = u'u/2 = 1 + ALPHA.  Row and column 13 are then
- * void, and an eigenproblem of order 13 remains. */
+ * zero, and an eigenproblem of order 13 remains. */
 #define ALPHA REAL(0.26726124191242438) /* 1/sqrt(14) */
-#define SHARE REAL(0.21089672205953698) /* ALPHA / (1 + ALPHA) */
+#define HOUSEHOLDER REAL(0.21089672205953698) /* ALPHA / (1 + ALPHA) */
 
 /* gram: upper triangle of order 13.  D <= 3 m: entries before centring <= 4.5 m^2, row sums <= 58.5,
  * Frobenius norm <= 4.5 sqrt(182) = 60.7, which no projection or rotation makes larger. */
-static void restricted_gram(real gram[][EDML_JOINTS], const real distance[EDML_PAIRS])
+static void reduced_gram(real gram[][EDML_JOINTS], const real distance[EDML_PAIRS])
 {
     enum { LAST = EDML_JOINTS - 1 };
     real row_sum[EDML_JOINTS] = {0};
@@ -37,8 +41,8 @@ static void restricted_gram(real gram[][EDML_JOINTS], const real distance[EDML_P
     real *const p = row_sum;
     real along = 0; /* u'p / h */
     for (int i = 0; i < EDML_JOINTS; i++) {
-        p[i] = MUL(SHARE, row_sum[i]) + MUL(REAL(1.0) - SHARE, gram[i][LAST]);
-        along += i < LAST ? MUL(SHARE, p[i]) : p[i];
+        p[i] = MUL(HOUSEHOLDER, row_sum[i]) + MUL(REAL(1.0) - HOUSEHOLDER, gram[i][LAST]);
+        along += i < LAST ? MUL(HOUSEHOLDER, p[i]) : p[i];
     }
     for (int i = 0; i < LAST; i++)
         for (int j = i; j < LAST; j++) gram[i][j] -= MUL(ALPHA, p[i] + p[j] - MUL(ALPHA, along));
@@ -53,12 +57,12 @@ static real largest_entry(real a[][EDML_JOINTS], int order)
     return largest;
 }
 
-/* Undoes the reflection: y [13] in the restricted basis, y[13] to be filled -> joints [14]. */
-static void unrestrict(real y[EDML_JOINTS])
+/* Undoes the reflection: 13 entries of y in the reduced basis become 14, of the joints. */
+static void expand(real y[EDML_JOINTS])
 {
     real sum = 0;
     for (int i = 0; i < EDML_JOINTS - 1; i++) sum += y[i];
-    const real shift = MUL(SHARE, sum);
+    const real shift = MUL(HOUSEHOLDER, sum);
     for (int i = 0; i < EDML_JOINTS - 1; i++) y[i] -= MUL(ALPHA, shift);
     y[EDML_JOINTS - 1] = -shift - MUL(ALPHA, shift);
 }
@@ -73,15 +77,15 @@ static void set_coordinate(point *p, int axis, real value)
         p->z = value;
 }
 
-void NAME(edml_mds)(point x[EDML_JOINTS], const real distance[EDML_PAIRS], work_memory *work)
+void edml_mds(point x[EDML_JOINTS], const real distance[EDML_PAIRS], edml_work *work)
 {
-    enum { ORDER = EDML_JOINTS - 1, ROOM = (int)(sizeof work->use.turn / sizeof work->use.turn[0]) };
-    real(*gram)[EDML_JOINTS] = work->matrix.at;
-    restricted_gram(gram, distance);
+    enum { ORDER = EDML_JOINTS - 1, ROOM = (int)(sizeof work->scratch.rotation / sizeof work->scratch.rotation[0]) };
+    real(*gram)[EDML_JOINTS] = work->matrix;
+    reduced_gram(gram, distance);
     const real scale = largest_entry(gram, ORDER);
-    const zeros zero = {MUL(LOOSE, scale) + EPSILON, MUL(TIGHT, scale) + EPSILON,
-                        MUL(FINEST, scale) + EPSILON, ANGLE};
-    const int count = diagonalise(work->use.turn, ROOM, gram, ORDER, zero);
+    const jacobi_thresholds threshold = {MUL(MDS_UNWANTED, scale) + EPSILON, MUL(MDS_WANTED, scale) + EPSILON,
+                        MUL(MDS_ROUNDING, scale) + EPSILON, MDS_ANGLE};
+    const int count = diagonalise(work->scratch.rotation, ROOM, gram, ORDER, threshold);
     int axis[3];
     real length[3];
     for (int k = 0; k < 3; k++) {
@@ -95,9 +99,11 @@ void NAME(edml_mds)(point x[EDML_JOINTS], const real distance[EDML_PAIRS], work_
     real(*y)[EDML_JOINTS] = gram; /* a row a coordinate; the matrix has been read */
     for (int k = 0; k < 3; k++)
         for (int j = 0; j < EDML_JOINTS; j++) y[k][j] = j == axis[k] ? length[k] : 0;
-    turn_back(y, 3, work->use.turn, count);
+    back_transform(y, 3, work->scratch.rotation, count);
     for (int k = 0; k < 3; k++) {
-        unrestrict(y[k]);
+        expand(y[k]);
         for (int j = 0; j < EDML_JOINTS; j++) set_coordinate(&x[j], k, y[k][j]);
     }
 }
+
+#endif

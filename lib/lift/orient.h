@@ -4,42 +4,34 @@
  * The first two rows of the rotation are the orthonormal pair nearest to M's rows,
  * (M M')^(-1/2) M; the third is their cross product.  M's scale does not matter.
  *
- * Errors of the points, along their thinnest axis above all, would be taken for a tilt.  So the
- * squares are ridged: once lightly, to see how far image and points disagree, and once by that.
+ * An error of the points, along their thinnest axis above all, would look like a tilt.  So this is ridge
+ * regression: once with a light ridge, to see how far image and points disagree, and once with that as
+ * the ridge.
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_ORIENT_H
+#define EDML_ORIENT_H
 
-/* Ridges, as a share of the points' spread. */
-#define LIGHT REAL(0.001)
-#define LEAST REAL(0.0001) /* flat points stay solvable */
+#include "../geometry/centre.h"
+#include "../geometry/image_box.h"
 
-#define PARALLEL REAL(9.5367431640625e-7) /* 2^-20: squared sine that rounding can make */
+/* Ridges, relative to the points' spread. */
+#define ORIENT_LIGHT_RIDGE REAL(0.001)
+#define ORIENT_MIN_RIDGE REAL(0.0001) /* flat points stay solvable */
 
-/* Sums over the seen joints.  Of the points of any distances up to 3 m, whose squares add up to 105,
- * and of half the image's coordinates, whose squares do to 53, if `widest` is at most 3.75. */
+#define PARALLEL_SQUARED REAL(9.5367431640625e-7) /* 2^-20: squared sine that rounding can make */
+
+/* Sums over the seen joints.  The points are those of any distances up to 3 m: their squares add up to
+ * at most 105.  The image's coordinates are halved: their squares add up to at most 53 if max_aspect is at
+ * most 3.75. */
 typedef struct {
     real xx, xy, xz, yy, yz, zz; /* products of the points about their mean */
     point u, v;                  /* points times image: at most 75 */
     real image;                  /* squares of the image about its mean */
 } moments;
 
-static point mean_of(const point x[EDML_JOINTS], uint16_t seen)
-{
-    point sum = {0, 0, 0};
-    const real count = (real)count_bits(seen);
-    for (int j = 0; j < EDML_JOINTS; j++)
-        if (seen >> j & 1) sum = plus(sum, x[j]);
-    const point mean = {sum.x / count, sum.y / count, sum.z / count};
-    return mean;
-}
-
-static void centre(point x[EDML_JOINTS], point on)
-{
-    for (int j = 0; j < EDML_JOINTS; j++) x[j] = minus(x[j], on);
-}
-
-static void add_products(moments *m, point p, image_point at)
+static void add_moments(moments *m, point p, image_point at)
 {
     m->xx += MUL(p.x, p.x);
     m->xy += MUL(p.x, p.y);
@@ -52,30 +44,30 @@ static void add_products(moments *m, point p, image_point at)
     m->image += MUL(at.u, at.u) + MUL(at.v, at.v);
 }
 
-static EDML_APART void sum_up(moments *m, const point x[EDML_JOINTS],
-                              const keypoint in[EDML_JOINTS], uint16_t seen)
+static EDML_NOINLINE void sum_moments(moments *m, const point x[EDML_JOINTS],
+                              const edml_keypoint in[EDML_JOINTS], uint16_t seen)
 {
     const moments none = {0, 0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, 0};
     const image_box box = box_of(in, seen);
-    const point mean = mean_of(x, seen);
-    const real count = (real)count_bits(seen);
+    const point mean = mean_joint(x, seen);
+    const real count = (real)count_seen(seen);
     real u = 0, v = 0;
     *m = none;
     for (int j = 0; j < EDML_JOINTS; j++) {
-        if (!(seen >> j & 1)) continue;
+        if (!is_seen(seen, j)) continue;
         image_point at = normalise(in[j], &box);
         at.u = at.u / 2;
         at.v = at.v / 2;
         u += at.u;
         v += at.v;
-        add_products(m, minus(x[j], mean), at); /* that are centred, so the image need not be */
+        add_moments(m, minus(x[j], mean), at); /* the points are centred, so the image need not be */
     }
     m->image -= MUL(u / count, u) + MUL(v / count, v);
 }
 
-/* Scales the points so that xx + yy + zz = 4, and points and image so that the squares of either add
- * up to 1 in u and v, which are at most 1 long then.  0 if points or image are one point. */
-static EDML_APART int scale_moments(moments *m)
+/* Scales the points so that xx + yy + zz = 4.  In u and v, scales points and image so that the squares of
+ * either add up to 1; u and v are then at most 1 long.  Returns 0 if points or image are one point. */
+static EDML_NOINLINE int scale_moments(moments *m)
 {
     const real spread = m->xx + m->yy + m->zz;
     const real lengths = MUL(SQRT(spread), SQRT(m->image)); /* <= 75 */
@@ -116,9 +108,9 @@ static real spread_along(const moments *s, point r)
     return dot(r, product);
 }
 
-/* Squares that are left between the image, at its best scale, and the points along two axes; as a
- * share of the points' spread, at most 1. */
-static EDML_APART real misfit(const moments *m, point right, point down)
+/* Squares that are left between the image, at its best scale, and the points along two axes; relative
+ * to the points' spread, at most 1. */
+static EDML_NOINLINE real orient_residual(const moments *m, point right, point down)
 {
     const real across = (spread_along(m, right) + spread_along(m, down)) / 4; /* <= 1 */
     const real fit = dot(right, m->u) + dot(down, m->v);                      /* <= sqrt(across) */
@@ -128,18 +120,18 @@ static EDML_APART real misfit(const moments *m, point right, point down)
     return left > 0 ? DIV(left, square) : 0;
 }
 
-/* Nearest orthonormal pair, in place; 0 if there is none, the two being parallel.  Where the pair
+/* The nearest orthonormal pair, in place; 0 if there is none because the two are parallel.  Where the pair
  * has the products M M' = [a b; b c] with root r = sqrt(ac - bb), (M M')^(-1/2) is
  * [c + r, -b; -b, a + r] up to a factor. */
-static EDML_APART int orthonormalise(point *first, point *second)
+static EDML_NOINLINE int orthonormalise(point *first, point *second)
 {
-    const real size = HYPOT(norm(*first), norm(*second));
-    if (!(size > 0)) return 0;
-    *first = over(*first, size);
-    *second = over(*second, size);
+    const real length = HYPOT(norm(*first), norm(*second));
+    if (!(length > 0)) return 0;
+    *first = over(*first, length);
+    *second = over(*second, length);
     const real a = dot(*first, *first), b = dot(*first, *second), c = dot(*second, *second);
     const real determinant = MUL(a, c) - MUL(b, b); /* <= 1/4, for a + c = 1 */
-    if (!(determinant > PARALLEL)) return 0;
+    if (!(determinant > PARALLEL_SQUARED)) return 0;
     const real root = SQRT(determinant);
     point u = times(c + root, *first), v = times(a + root, *second);
     add_multiple(&u, -b, *second);
@@ -151,7 +143,7 @@ static EDML_APART int orthonormalise(point *first, point *second)
 }
 
 /* The camera's first two axes in those of the points; 0 if the image is a line. */
-static int axes_of(const moments *m, real ridge, point *right, point *down)
+static int camera_axes(const moments *m, real ridge, point *right, point *down)
 {
     *right = solve_scaled(m, ridge, m->u);
     *down = solve_scaled(m, ridge, m->v);
@@ -159,26 +151,28 @@ static int axes_of(const moments *m, real ridge, point *right, point *down)
 }
 
 /* Coordinates along the camera's axes. */
-static EDML_APART void turn_all(point x[EDML_JOINTS], const point *right, const point *down)
+static EDML_NOINLINE void to_camera_axes(point x[EDML_JOINTS], const point *right, const point *down)
 {
     const point away = cross(*right, *down);
     for (int j = 0; j < EDML_JOINTS; j++) {
-        const point turned = {dot(*right, x[j]), dot(*down, x[j]), dot(away, x[j])};
-        x[j] = turned;
+        const point rotated = {dot(*right, x[j]), dot(*down, x[j]), dot(away, x[j])};
+        x[j] = rotated;
     }
 }
 
-edml_status NAME(edml_orient)(point x[EDML_JOINTS], const keypoint in[EDML_JOINTS], uint16_t seen)
+edml_status edml_orient(point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen)
 {
     moments m;
     point right, down;
     seen = (uint16_t)(seen & ALL_JOINTS);
     if (seen == 0) return EDML_ERR_DEGENERATE;
-    sum_up(&m, x, in, seen);
-    if (!scale_moments(&m) || !axes_of(&m, LIGHT, &right, &down) ||
-        !axes_of(&m, LEAST + misfit(&m, right, down), &right, &down))
+    sum_moments(&m, x, in, seen);
+    if (!scale_moments(&m) || !camera_axes(&m, ORIENT_LIGHT_RIDGE, &right, &down) ||
+        !camera_axes(&m, ORIENT_MIN_RIDGE + orient_residual(&m, right, down), &right, &down))
         return EDML_ERR_DEGENERATE;
-    turn_all(x, &right, &down);
-    centre(x, middle(x[EDML_R_HIP], x[EDML_L_HIP]));
+    to_camera_axes(x, &right, &down);
+    move_origin_to_mid_hip(x);
     return EDML_OK;
 }
+
+#endif

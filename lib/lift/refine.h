@@ -13,28 +13,32 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_REFINE_H
+#define EDML_REFINE_H
 
-#define FLOOR REAL(0.00390625) /* m^2; a smaller divisor counts as this */
+#include "../geometry/vector.h"
 
-#define LONGEST REAL(4.0) /* m; the line search goes no further, along an axis */
+#define MIN_DIVISOR REAL(0.00390625) /* m^2; smaller divisors are clamped to this */
+
+#define MAX_STEP REAL(4.0) /* m; the line search goes no further, along an axis */
 
 /* ---- Powers of two ---- */
 
-/* A factor up / down, of which one is 1, the other a plain number. */
+/* The factor up / down, one of which is 1; both are plain numbers. */
 typedef struct {
     wide up, down;
-} power;
+} power_of_two;
 
-/* What brings something > 0 to 1/2 to 1, or nearer to it if it is off by more than 2^40. */
-static power to_one(wide something)
+/* The power of two that scales a number > 0 to between 1/2 and 1, or towards it: at most 2^40. */
+static power_of_two towards_one(wide something)
 {
-    power p = {1, 1};
+    power_of_two p = {1, 1};
     for (int n = 0; n < 40 && something < REAL(0.5); n++, something *= 2) p.up *= 2;
     for (int n = 0; n < 40 && something >= REAL(1.0); n++, something /= 2) p.down *= 2;
     return p;
 }
 
-static real scaled(wide a, power by) { return NARROW(a * by.up / by.down); }
+static real scale_by(wide a, power_of_two by) { return TRUNCATE(a * by.up / by.down); }
 
 static real largest_component(const point a[EDML_JOINTS])
 {
@@ -51,11 +55,11 @@ static real largest_component(const point a[EDML_JOINTS])
 
 static real squared_length(point a)
 {
-    return AS_REAL(PRODUCT(a.x, a.x) + PRODUCT(a.y, a.y) + PRODUCT(a.z, a.z));
+    return SATURATE(PRODUCT(a.x, a.x) + PRODUCT(a.y, a.y) + PRODUCT(a.z, a.z));
 }
 
 /* excess: d^2 - D^2; square: d^2. */
-static wide term(edml_objective objective, real excess, real square, real distance)
+static wide stress_term(edml_objective objective, real excess, real square, real distance)
 {
     if (objective == EDML_STRESS_SQUARE) return PRODUCT(excess, excess);
     if (objective == EDML_STRESS_EQ2) return PRODUCT(ABS(excess), REAL(1.0));
@@ -63,7 +67,7 @@ static wide term(edml_objective objective, real excess, real square, real distan
     return PRODUCT(d, d);
 }
 
-/* Sum of the objective over the pairs, <= 91 * 64^2; ENDLESS of points too far apart. */
+/* Sum of the objective over the pairs, <= 91 * 64^2; WIDE_MAX if two points are 8 m apart or more. */
 static wide total_stress(const point x[EDML_JOINTS], const real distance[EDML_PAIRS],
                          edml_objective objective)
 {
@@ -72,36 +76,36 @@ static wide total_stress(const point x[EDML_JOINTS], const real distance[EDML_PA
     for (int i = 0; i < EDML_JOINTS; i++) {
         for (int j = i + 1; j < EDML_JOINTS; j++, d++) {
             const real square = squared_length(minus(x[i], x[j]));
-            if (!IN_REACH(square)) return ENDLESS;
-            sum += term(objective, square - MUL(*d, *d), square, *d);
+            if (!IS_NEAR(square)) return WIDE_MAX;
+            sum += stress_term(objective, square - MUL(*d, *d), square, *d);
         }
     }
     return sum;
 }
 
-real NAME(edml_stress)(const point x[EDML_JOINTS], const real distance[EDML_PAIRS],
+real edml_stress(const point x[EDML_JOINTS], const real distance[EDML_PAIRS],
                        edml_objective objective)
 {
     if (objective == EDML_STRESS_NONE) return 0;
-    return AS_REAL(total_stress(x, distance, objective) / EDML_PAIRS);
+    return SATURATE(total_stress(x, distance, objective) / EDML_PAIRS);
 }
 
 /* ---- Gradient ---- */
 
-/* 1 / w, of raw stress 1 / (2 w): 1/256 to 88. */
+/* 1 / w, or 1 / (2 w) for raw stress: 1/256 to 88. */
 static real divisor(edml_objective objective, real excess, real square, real distance)
 {
     if (objective == EDML_STRESS_SQUARE) return REAL(1.0);
     const real wanted = objective == EDML_STRESS_EQ2 ? ABS(excess)
                                                      : square + MUL(SQRT(square), distance);
-    return wanted > FLOOR ? wanted : FLOOR;
+    return wanted > MIN_DIVISOR ? wanted : MIN_DIVISOR;
 }
 
-/* A plain number that gradients are divided by, chosen by the objective's total, which only falls
- * from here on: small, to lose no digits, yet with |out| <= 52 and |pull| <= 72 below.  Of s-stress
+/* A plain number that gradients are divided by.  The objective's total, which only falls from here on,
+ * chooses it: small, to lose no digits, yet with |out| <= 52 and |weighted excess| <= 72 below.  Of s-stress
  * |out| <= 8 sqrt(13 total) / unit.  Of the others |out| <= 13 * 8 / unit, and where |d - D| <= s,
  * |d^2 - D^2| / divisor <= 256 (s^2 + s/8): of raw stress s <= sqrt(total); s <= 3 where d < D. */
-static real unit_of(edml_objective objective, wide total)
+static real gradient_unit(edml_objective objective, wide total)
 {
     if (objective == EDML_STRESS_EQ2) return 2;
     if (objective == EDML_STRESS_RAW) return total <= PRODUCT(REAL(1.0), REAL(1.0)) ? 4 : 32;
@@ -111,14 +115,14 @@ static real unit_of(edml_objective objective, wide total)
     return unit;
 }
 
-/* w (d^2 - D^2), but for a factor. */
-static real pull(edml_objective objective, real unit, real excess, real square, real distance)
+/* w (d^2 - D^2), up to a factor. */
+static real weighted_excess(edml_objective objective, real unit, real excess, real square, real distance)
 {
     if (objective == EDML_STRESS_SQUARE) return excess / unit;
     return DIV(excess / unit, divisor(objective, excess, square, distance));
 }
 
-/* Downhill direction: minus the gradient, but for a factor.  |out| <= 52 on each axis. */
+/* The downhill direction: minus the gradient, up to a factor.  |out| <= 52 on each axis. */
 static void downhill(point out[EDML_JOINTS], const point x[EDML_JOINTS],
                      const real distance[EDML_PAIRS], edml_objective objective, real unit)
 {
@@ -130,7 +134,7 @@ static void downhill(point out[EDML_JOINTS], const point x[EDML_JOINTS],
             const point delta = minus(x[i], x[j]);
             const real square = squared_length(delta);
             const real excess = square - MUL(*d, *d);
-            const point part = times(pull(objective, unit, excess, square, *d), delta);
+            const point part = times(weighted_excess(objective, unit, excess, square, *d), delta);
             out[i] = minus(out[i], part);
             out[j] = plus(out[j], part);
         }
@@ -139,7 +143,7 @@ static void downhill(point out[EDML_JOINTS], const point x[EDML_JOINTS],
 
 /* ---- Line search ---- */
 
-/* What it adds up: the sum of w (r + b t + a t^2)^2 is c0 + c1 t + ... + c4 t^4. */
+/* Along a line the sum of w (r + b t + a t^2)^2 is c0 + c1 t + ... + c4 t^4. */
 typedef struct {
     wide c1, c2, c3, c4;
 } quartic;
@@ -160,7 +164,7 @@ static quartic along(const point x[EDML_JOINTS], const point step[EDML_JOINTS],
             const real a = squared_length(move);
             real wb = b, wa = a;
             if (objective != EDML_STRESS_SQUARE) {
-                const real w = DIV(FLOOR, divisor(objective, r, square, *d));
+                const real w = DIV(MIN_DIVISOR, divisor(objective, r, square, *d));
                 wb = MUL(w, b);
                 wa = MUL(w, a);
             }
@@ -185,9 +189,9 @@ static cubic slope_of(quartic sum)
     wide largest = 0;
     for (int n = 0; n < 4; n++)
         if (ABS(all[n]) > largest) largest = ABS(all[n]);
-    const power p = to_one(largest);
-    const cubic slope = {scaled(all[0], p), scaled(all[1], p), scaled(all[2], p),
-                         scaled(all[3], p)};
+    const power_of_two p = towards_one(largest);
+    const cubic slope = {scale_by(all[0], p), scale_by(all[1], p), scale_by(all[2], p),
+                         scale_by(all[3], p)};
     return slope;
 }
 
@@ -203,11 +207,11 @@ static real bracket(const cubic *s)
     const real discriminant = MUL(s->at2, s->at2) - 3 * MUL(s->at1, s->at3);
     if (s->at2 < 0 && s->at1 > 0 && discriminant > 0) {
         const real fall = SQRT(discriminant) - s->at2; /* <= 3 */
-        const real peak = s->at1 < MUL(LONGEST, fall) ? DIV(s->at1, fall) : LONGEST;
+        const real peak = s->at1 < MUL(MAX_STEP, fall) ? DIV(s->at1, fall) : MAX_STEP;
         if (slope_at(s, peak) >= 0) return peak;
     }
     real high = REAL(1.0);
-    while (high < LONGEST && slope_at(s, high) < 0) high *= 2;
+    while (high < MAX_STEP && slope_at(s, high) < 0) high *= 2;
     return high;
 }
 
@@ -218,18 +222,18 @@ static real line_minimum(quartic sum)
     if (slope.at0 >= 0) return 0;
     real low = 0, high = bracket(&slope);
     for (int n = 0; n < 24; n++) {
-        const real middle = (low + high) / 2;
-        if (slope_at(&slope, middle) < 0)
-            low = middle;
+        const real halfway = (low + high) / 2;
+        if (slope_at(&slope, halfway) < 0)
+            low = halfway;
         else
-            high = middle;
+            high = halfway;
     }
     return low;
 }
 
 /* ---- Conjugate gradient ---- */
 
-static wide inner(const point a[EDML_JOINTS], const point b[EDML_JOINTS])
+static wide inner_product(const point a[EDML_JOINTS], const point b[EDML_JOINTS])
 {
     wide sum = 0;
     for (int j = 0; j < EDML_JOINTS; j++)
@@ -237,24 +241,24 @@ static wide inner(const point a[EDML_JOINTS], const point b[EDML_JOINTS])
     return sum;
 }
 
-/* Polak-Ribiere+: how much of the last step is kept.  Nothing if that were 64 times it or more: the
- * gradient has then grown so much that the last one says nothing. */
-static real keep(const point now[EDML_JOINTS], const point before[EDML_JOINTS])
+/* Polak-Ribiere+: how much of the last direction is kept.  Restarts (0) at 64 or more: the gradient grew so
+ * much that the old direction is useless. */
+static real kept_fraction(const point now[EDML_JOINTS], const point before[EDML_JOINTS])
 {
-    const wide square = inner(before, before);
-    const wide gain = inner(now, now) - inner(now, before);
+    const wide square = inner_product(before, before);
+    const wide gain = inner_product(now, now) - inner_product(now, before);
     if (!(gain > 0 && gain / 64 < square)) return 0;
-    const power p = to_one(square);
-    return DIV(scaled(gain, p), scaled(square, p));
+    const power_of_two p = towards_one(square);
+    return DIV(scale_by(gain, p), scale_by(square, p));
 }
 
-/* now + kept step; what was kept is cut off at 64, now is <= 52. */
-static void turn_downhill(point step[EDML_JOINTS], const point now[EDML_JOINTS], real kept)
+/* now + kept step; each kept component is clamped to +-64, and |now| <= 52. */
+static void next_direction(point step[EDML_JOINTS], const point now[EDML_JOINTS], real kept)
 {
     for (int j = 0; j < EDML_JOINTS; j++) {
-        step[j].x = now[j].x + AS_REAL(PRODUCT(kept, step[j].x));
-        step[j].y = now[j].y + AS_REAL(PRODUCT(kept, step[j].y));
-        step[j].z = now[j].z + AS_REAL(PRODUCT(kept, step[j].z));
+        step[j].x = now[j].x + SATURATE(PRODUCT(kept, step[j].x));
+        step[j].y = now[j].y + SATURATE(PRODUCT(kept, step[j].y));
+        step[j].z = now[j].z + SATURATE(PRODUCT(kept, step[j].z));
     }
 }
 
@@ -263,30 +267,30 @@ static void try_step(point tried[EDML_JOINTS], const point x[EDML_JOINTS],
                      const point step[EDML_JOINTS], const real distance[EDML_PAIRS],
                      edml_objective objective)
 {
-    const power p = to_one(largest_component(step));
+    const power_of_two p = towards_one(largest_component(step));
     for (int j = 0; j < EDML_JOINTS; j++) {
-        tried[j].x = scaled(step[j].x, p);
-        tried[j].y = scaled(step[j].y, p);
-        tried[j].z = scaled(step[j].z, p);
+        tried[j].x = scale_by(step[j].x, p);
+        tried[j].y = scale_by(step[j].y, p);
+        tried[j].z = scale_by(step[j].z, p);
     }
     const real t = line_minimum(along(x, tried, distance, objective));
     for (int j = 0; j < EDML_JOINTS; j++) tried[j] = plus(x[j], times(t, tried[j]));
 }
 
-int NAME(edml_refine)(point x[EDML_JOINTS], const real distance[EDML_PAIRS],
-                      edml_objective objective, int steps, work_memory *work)
+int edml_refine(point x[EDML_JOINTS], const real distance[EDML_PAIRS],
+                      edml_objective objective, int steps, edml_work *work)
 {
-    point *now = work->use.step[0], *before = work->use.step[1];
-    point *step = work->use.step[2], *tried = work->use.step[3];
+    point *now = work->scratch.step[0], *before = work->scratch.step[1];
+    point *step = work->scratch.step[2], *tried = work->scratch.step[3];
     if (objective == EDML_STRESS_NONE) return 0;
     const point zero = {0, 0, 0};
     for (int j = 0; j < EDML_JOINTS; j++) before[j] = step[j] = zero;
     wide cost = total_stress(x, distance, objective);
-    const real unit = unit_of(objective, cost);
+    const real unit = gradient_unit(objective, cost);
     int taken = 0;
-    for (; taken < steps && cost < ENDLESS; taken++) {
+    for (; taken < steps && cost < WIDE_MAX; taken++) {
         downhill(now, x, distance, objective, unit);
-        turn_downhill(step, now, keep(now, before));
+        next_direction(step, now, kept_fraction(now, before));
         try_step(tried, x, step, distance, objective);
         const wide reached = total_stress(tried, distance, objective);
         if (!(reached < cost)) break;
@@ -298,3 +302,5 @@ int NAME(edml_refine)(point x[EDML_JOINTS], const real distance[EDML_PAIRS],
     }
     return taken;
 }
+
+#endif

@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "model.h"
+#include "../network/kernels.h"
 
-#include "../gen/fconn_q15.h"
+#include "../../gen/fconn_w16.h"

@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "model.h"
+#include "../network/kernels.h"
 
-#include "../gen/fconv_f32.h"
+#include "../../gen/fconv_f32.h"

@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "model.h"
+#include "../network/kernels.h"
 
-#include "../gen/fconv_q7.h"
+#include "../../gen/fconv_w8.h"

@@ -2,6 +2,12 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_CHECKSUM_H
+#define EDML_CHECKSUM_H
+
+#include <stddef.h>
+
+#include "weights.h"
 
 /* Over the bytes of each value, the lowest first on every machine; sizes are 1, 2 or 4. */
 static uint32_t hash_values(uint32_t hash, const void *values, uint32_t count, size_t size)
@@ -20,7 +26,9 @@ static uint32_t hash_layers(const dense_layer *layer, int count)
         const uint32_t rows = (layer->outputs + EDML_ROWS - 1U) / EDML_ROWS * EDML_ROWS;
         hash = hash_values(hash, layer->weight, rows * layer->inputs, sizeof *layer->weight);
         hash = hash_values(hash, layer->bias, rows, sizeof *layer->bias);
-        HASH_FACTORS(hash, layer, rows);
+        HASH_MULTIPLIERS(hash, layer, rows);
     }
     return hash;
 }
+
+#endif

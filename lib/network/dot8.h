@@ -1,20 +1,21 @@
-/* Eight rows of a fully connected layer, and a ReLU; or, with SUMS_ALONE, eight sums and no ReLU, for
- * who adds them up in parts: y may be b.
+/* dot8(): eight rows of a layer.  Portable C, which dot8_dsp.h and dot8_vfp.h must equal bit for bit.
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_DOT8_H
+#define EDML_DOT8_H
 
-#ifdef SUMS_ALONE
-#define RELU(sum) (sum)
+#include "weights.h"
+
+#ifdef DOT8 /* the processor's own */
+#include DOT8
 #else
-#define RELU(sum) ((sum) > 0 ? (sum) : 0)
-#endif
 
-/* Eight rows at a time, in eight registers, each summed in the order of the inputs: the compiler may
- * use vector instructions, and the bits are the same without them.  A function of its own, for the
- * loop needs all of a Cortex-M's registers. */
-static EDML_APART void multiply_rows(value y[EDML_ROWS], const activation *x, const weight *w,
-                                     const value *b, int inputs)
+/* y = b + W x of eight rows; y may be b.  Eight registers hold the sums, each in the order of the inputs:
+ * the compiler may use vector instructions, and the bits are the same without them.  Out of line, because
+ * the loop needs all of a Cortex-M's registers. */
+static EDML_NOINLINE void dot8(value y[EDML_ROWS], const activation *x, const weight *w,
+                               const value *b, int inputs)
 {
     value s0 = b[0], s1 = b[1], s2 = b[2], s3 = b[3], s4 = b[4], s5 = b[5], s6 = b[6], s7 = b[7];
     for (const activation *const end = x + inputs; x < end; x++, w += EDML_ROWS) {
@@ -29,12 +30,15 @@ static EDML_APART void multiply_rows(value y[EDML_ROWS], const activation *x, co
         s6 += (value)w[6] * xi;
         s7 += (value)w[7] * xi;
     }
-    y[0] = RELU(s0);
-    y[1] = RELU(s1);
-    y[2] = RELU(s2);
-    y[3] = RELU(s3);
-    y[4] = RELU(s4);
-    y[5] = RELU(s5);
-    y[6] = RELU(s6);
-    y[7] = RELU(s7);
+    y[0] = s0;
+    y[1] = s1;
+    y[2] = s2;
+    y[3] = s3;
+    y[4] = s4;
+    y[5] = s5;
+    y[6] = s6;
+    y[7] = s7;
 }
+
+#endif
+#endif

@@ -1,26 +1,23 @@
-/* rows.inc for 16-bit weights in the words of a Cortex-M with the DSP extension: two weights a load,
- * and a multiplication that takes either half of it.  The same whole numbers, hence the same bits.
+/* dot8.h for 16-bit weights in the words of a Cortex-M with the DSP extension: two weights a load,
+ * and a multiplication that takes either half of it.  The same integers, hence the same bits.
  *
  *   r0 y, then xi     r2 w            r4 to r11  the sums
  *   r1 x              r3, r12 weights lr         the end of x
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_DOT8_DSP_H
+#define EDML_DOT8_DSP_H
 
-#define IN_REGISTER __attribute__((unused)) /* that the compiler knows nothing of */
+#include "weights.h"
 
-/* Negative: 0. */
-#ifdef SUMS_ALONE
-#define RELU(sum) ""
-#else
-#define RELU(sum) "    bic    " sum ", " sum ", " sum ", asr #31\n"
-#endif
+#define IN_REGISTER __attribute__((unused)) /* which the compiler does not see */
 
-__attribute__((naked, noinline)) static void multiply_rows(value y[EDML_ROWS] IN_REGISTER,
-                                                           const value *x IN_REGISTER,
-                                                           const weight *w IN_REGISTER,
-                                                           const value *b IN_REGISTER,
-                                                           int inputs IN_REGISTER)
+__attribute__((naked, noinline)) static void dot8(value y[EDML_ROWS] IN_REGISTER,
+                                                  const value *x IN_REGISTER,
+                                                  const weight *w IN_REGISTER,
+                                                  const value *b IN_REGISTER,
+                                                  int inputs IN_REGISTER)
 {
     __asm__("    push   {r0, r4-r11, lr}\n"
             "    ldr    lr, [sp, #40]\n"
@@ -41,7 +38,6 @@ __attribute__((naked, noinline)) static void multiply_rows(value y[EDML_ROWS] IN
             "    cmp    r1, lr\n"
             "    bne    1b\n"
             "2:  pop    {r0}\n"
-            RELU("r4") RELU("r5") RELU("r6") RELU("r7") RELU("r8") RELU("r9") RELU("r10") RELU("r11")
             "    stmia  r0, {r4-r11}\n"
             "    pop    {r4-r11, pc}\n"
             "3:  adds   r2, #16\n" /* a zero, as most are */
@@ -49,3 +45,5 @@ __attribute__((naked, noinline)) static void multiply_rows(value y[EDML_ROWS] IN
             "    bne    1b\n"
             "    b      2b\n");
 }
+
+#endif

@@ -1,4 +1,4 @@
-/* rows.inc in the words of a Cortex-M with an FPU: four weights a load.  vmla rounds the product before
+/* dot8.h in the words of a Cortex-M with an FPU: four weights a load.  vmla rounds the product before
  * it adds, as C does: the same bits.
  *
  *   r0 y     r2 w                r12     the end of x       s8 to s11  weights
@@ -6,25 +6,18 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_DOT8_VFP_H
+#define EDML_DOT8_VFP_H
 
-#define IN_REGISTER __attribute__((unused)) /* that the compiler knows nothing of */
+#include "weights.h"
 
-/* Positive, or else 0: of NaN, too. */
-#ifdef SUMS_ALONE
-#define RELU(sum) ""
-#else
-#define RELU(sum)                      \
-    "    vcmp.f32 " sum ", #0.0\n"     \
-    "    vmrs   APSR_nzcv, fpscr\n"    \
-    "    it     le\n"                  \
-    "    vmovle.f32 " sum ", s8\n"
-#endif
+#define IN_REGISTER __attribute__((unused)) /* which the compiler does not see */
 
-__attribute__((naked, noinline)) static void multiply_rows(value y[EDML_ROWS] IN_REGISTER,
-                                                           const value *x IN_REGISTER,
-                                                           const weight *w IN_REGISTER,
-                                                           const value *b IN_REGISTER,
-                                                           int inputs IN_REGISTER)
+__attribute__((naked, noinline)) static void dot8(value y[EDML_ROWS] IN_REGISTER,
+                                                  const value *x IN_REGISTER,
+                                                  const weight *w IN_REGISTER,
+                                                  const value *b IN_REGISTER,
+                                                  int inputs IN_REGISTER)
 {
     __asm__("    ldr    r12, [sp]\n"
             "    add    r12, r1, r12, lsl #2\n"
@@ -45,13 +38,12 @@ __attribute__((naked, noinline)) static void multiply_rows(value y[EDML_ROWS] IN
             "    vmla.f32 s7, s11, s15\n"
             "    cmp    r1, r12\n"
             "    bne    1b\n"
-            "2:  movs   r3, #0\n"
-            "    vmov   s8, r3\n"
-            RELU("s0") RELU("s1") RELU("s2") RELU("s3") RELU("s4") RELU("s5") RELU("s6") RELU("s7")
-            "    vstmia r0, {s0-s7}\n"
+            "2:  vstmia r0, {s0-s7}\n"
             "    bx     lr\n"
             "3:  adds   r2, #32\n" /* a zero, as most are */
             "    cmp    r1, r12\n"
             "    bne    1b\n"
             "    b      2b\n");
 }
+
+#endif

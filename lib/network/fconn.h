@@ -1,43 +1,42 @@
-/* FConn (section 3.2): fully connected layers, each followed by a ReLU; and the checksum of its
- * arrays.
- *
- * `value` is what sums are made of and `activation` what comes out of a layer, `dense_layer` the layer
- * of the format; first_input() and rescale() do what differs, and ROWS may name another rows.inc.
+/* FConn (section 3.2): fully connected layers, each followed by a ReLU.
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_FCONN_H
+#define EDML_FCONN_H
 
-/* Sums of eight rows: multiply_rows(), in portable C or in the processor's own words. */
-#ifndef ROWS
-#define ROWS "rows.inc"
-#endif
-#include ROWS
+#include <string.h>
 
-#include "hash.inc"
+#include "checksum.h"
+#include "dot8.h"
 
-static void dense(value *y, const value *x, const dense_layer *layer)
+static void dense_units(value *y, const value *x, const dense_layer *layer)
 {
     const weight *w = layer->weight;
-    for (int row = 0; row < layer->outputs; row += EDML_ROWS, w += EDML_ROWS * layer->inputs)
-        multiply_rows(y + row, x, w, layer->bias + row, layer->inputs);
+    for (int row = 0; row < layer->outputs; row += EDML_ROWS, w += EDML_ROWS * layer->inputs) {
+        dot8(y + row, x, w, layer->bias + row, layer->inputs);
+        for (int k = row; k < row + EDML_ROWS; k++) y[k] = activate(y[k], layer, k);
+    }
 }
 
-/* `edm` may be layer[0], and `distance` may be `edm`. */
-void NAME(edml__fconn)(value distance[EDML_PAIRS], const value edm[EDML_PAIRS],
-                       const edml_model *model, value layer[2][EDML_LAYER_WIDEST])
+EDML_INTERNAL void WEIGHTS(edml__fconn)(value *out, const value *in, const edml_model *model,
+                                        void *scratch)
 {
+    value(*units)[EDML_MAX_UNITS] = scratch;
     const dense_layer *layers = model->layers;
-    const value *x = first_input(layer[0], edm);
+    value *x = units[0]; /* `in` may be the same */
+    for (int k = 0; k < EDML_PAIRS; k++) x[k] = network_input(in[k]);
     for (int n = 0; n < model->layer_count; n++) {
-        value *y = layer[(n + 1) & 1];
-        dense(y, x, &layers[n]);
-        rescale(y, &layers[n]);
+        value *y = units[(n + 1) & 1];
+        dense_units(y, x, &layers[n]);
         x = y;
     }
-    memcpy(distance, x, EDML_PAIRS * sizeof *distance);
+    memcpy(out, x, EDML_PAIRS * sizeof *out);
 }
 
-uint32_t NAME(edml__fconn_hash)(const edml_model *model)
+EDML_INTERNAL uint32_t WEIGHTS(edml__fconn_checksum)(const edml_model *model)
 {
     return hash_layers(model->layers, model->layer_count);
 }
+
+#endif

@@ -3,24 +3,24 @@
  *
  *   14x14 -> 7x7 -> 4x4 -> 7x7 -> 14x14 -> 91 distances
  *
- * Maps lie pixel by pixel, a pixel's channels side by side, so that what a pixel of the next map sees
- * of a row of this one is one run of inputs to multiply_rows().  A layer is a fully connected one of
- * such a window: its inputs are [7][7][channels].  No map before a pooling and none before the last
- * layer is ever whole in memory.
+ * Maps lie pixel by pixel, a pixel's channels side by side, so that what a pixel of the next map sees of a
+ * row of this one is one run of inputs to dot8().  A layer is a fully connected one of such a window: its
+ * inputs are [7][7][channels].  No map before a pooling and none before the last layer is ever whole in
+ * memory.
  *
- * `value` is what sums are made of, `activation` what maps are; first_input(), activated() and
- * distance_of() do what differs.
+ * A model has FCONV_LAYERS of edml_dense_*: two convolutions, two transposed ones, and 1x1.  They have up
+ * to FCONV_CHANNELS outputs, a multiple of EDML_ROWS.  In integers the sums of the last stay within +-2^30,
+ * because it scales those of two.
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_FCONV_H
+#define EDML_FCONV_H
 
-#define SUMS_ALONE
-#ifndef ROWS
-#define ROWS "rows.inc"
-#endif
-#include ROWS
+#include "checksum.h"
+#include "dot8.h"
 
-#include "hash.inc"
+enum { FCONV_LAYERS = 5, FCONV_CHANNELS = 64 };
 
 enum { TAPS = 7, SIDE = EDML_JOINTS };
 
@@ -38,7 +38,7 @@ typedef struct {
     int input, tap, count;
 } window;
 
-static window window_of(const convolution *c, int at)
+static window window_at(const convolution *c, int at)
 {
     window seen = {at - TAPS / 2, 0, TAPS};
     if (c->up) { /* 2 input - 3 + tap = at */
@@ -64,33 +64,33 @@ static void sum_window(value *sum, const convolution *c, window down, window acr
     for (int row = 0; row < c->layer->outputs; row += EDML_ROWS) {
         const value *start = c->layer->bias + row;
         for (int k = 0; k < down.count; k++, start = sum + row)
-            multiply_rows(sum + row, first + k * c->size * channels,
-                          w + k * TAPS * channels * EDML_ROWS, start, run);
+            dot8(sum + row, first + k * c->size * channels, w + k * TAPS * channels * EDML_ROWS, start,
+                 run);
         w += EDML_ROWS * c->layer->inputs;
     }
 }
 
 /* A pixel of what the layer gives: [outputs] after the ReLU; of a plain convolution the largest of up
  * to 2x2, which at the end of an odd side are fewer. */
-static void pixel(activation *out, const convolution *c, int y, int x, value sum[2][EDML_CHANNELS])
+static void fconv_pixel(activation *out, const convolution *c, int y, int x, value sum[2][FCONV_CHANNELS])
 {
     const int outputs = c->layer->outputs, pool = c->up ? 1 : 2, end = c->up ? SIDE : c->size;
     value *const largest = sum[0];
     for (int k = 0; k < outputs; k++) largest[k] = 0;
     for (int v = y * pool; v < y * pool + pool && v < end; v++) {
         for (int u = x * pool; u < x * pool + pool && u < end; u++) {
-            sum_window(sum[1], c, window_of(c, v), window_of(c, u));
+            sum_window(sum[1], c, window_at(c, v), window_at(c, u));
             for (int k = 0; k < outputs; k++)
                 if (sum[1][k] > largest[k]) largest[k] = sum[1][k];
         }
     }
-    for (int k = 0; k < outputs; k++) out[k] = activated(largest[k], c->layer, k);
+    for (int k = 0; k < outputs; k++) out[k] = (activation)activate(largest[k], c->layer, k);
 }
 
-static void map_of(activation *out, int side, const convolution *c, value sum[2][EDML_CHANNELS])
+static void fill_map(activation *out, int side, const convolution *c, value sum[2][FCONV_CHANNELS])
 {
     for (int y = 0; y < side; y++)
-        for (int x = 0; x < side; x++, out += c->layer->outputs) pixel(out, c, y, x, sum);
+        for (int x = 0; x < side; x++, out += c->layer->outputs) fconv_pixel(out, c, y, x, sum);
 }
 
 /* The symmetric 14x14 matrix, zero on the diagonal. */
@@ -99,35 +99,49 @@ static void fill_image(activation *image, const value *edm)
     for (int i = 0; i < SIDE; i++) {
         image[i * SIDE + i] = 0;
         for (int j = i + 1; j < SIDE; j++)
-            image[i * SIDE + j] = image[j * SIDE + i] = first_input(*edm++);
+            image[i * SIDE + j] = image[j * SIDE + i] = (activation)network_input(*edm++);
     }
 }
 
-/* `distance` may be `edm`. */
-void NAME(edml__fconv)(value distance[EDML_PAIRS], const value edm[EDML_PAIRS], const void *layers,
-                       maps *work)
-{
-    const dense_layer *layer = layers;
-    const convolution down1 = {layer, work->narrow, 14, 0}, down2 = {layer + 1, work->wide, 7, 0};
-    const convolution up1 = {layer + 2, work->narrow, 4, 1}, up2 = {layer + 3, work->wide, 7, 1};
-    fill_image(work->narrow, edm);
-    map_of(work->wide, 7, &down1, work->sum);
-    map_of(work->narrow, 4, &down2, work->sum);
-    map_of(work->wide, 7, &up1, work->sum);
+/* The scratch.  `in` may lie in `wide`, which is written only after it is read. */
+typedef struct {
+    activation wide[7 * 7 * FCONV_CHANNELS], narrow[4 * 4 * FCONV_CHANNELS];
+    value sum[2][FCONV_CHANNELS], image[SIDE * SIDE];
+} fconv_maps;
 
-    layer += 4;
+typedef char scratch_of_a_lift_ends_in_wide[sizeof(((edml_work *)0)->scratch.integer) <=
+                                                    sizeof(((fconv_maps *)0)->wide) ? 1 : -1];
+typedef char maps_fit_the_fixed_work_memory[sizeof(activation) > 2 || offsetof(edml_work_q, scratch) +
+                                            sizeof(fconv_maps) <= sizeof(edml_fconv_work_q) ? 1 : -1];
+typedef char maps_fit_the_work_memory[offsetof(edml_work, scratch) + sizeof(fconv_maps) <=
+                                              sizeof(edml_fconv_work) ? 1 : -1];
+
+EDML_INTERNAL void WEIGHTS(edml__fconv)(value *out, const value *in, const edml_model *model,
+                                        void *scratch)
+{
+    fconv_maps *maps = scratch;
+    const dense_layer *layer = model->layers;
+    const convolution down1 = {layer, maps->narrow, 14, 0}, down2 = {layer + 1, maps->wide, 7, 0};
+    const convolution up1 = {layer + 2, maps->narrow, 4, 1}, up2 = {layer + 3, maps->wide, 7, 1};
+    fill_image(maps->narrow, in);
+    fill_map(maps->wide, 7, &down1, maps->sum);
+    fill_map(maps->narrow, 4, &down2, maps->sum);
+    fill_map(maps->wide, 7, &up1, maps->sum);
+
+    layer += FCONV_LAYERS - 1;
     for (int n = 0; n < SIDE * SIDE; n++) {
-        pixel(work->narrow, &up2, n / SIDE, n % SIDE, work->sum);
-        multiply_rows(work->sum[0], work->narrow, layer->weight, layer->bias, layer->inputs);
-        work->image[n] = work->sum[0][0];
+        fconv_pixel(maps->narrow, &up2, n / SIDE, n % SIDE, maps->sum);
+        dot8(maps->sum[0], maps->narrow, layer->weight, layer->bias, layer->inputs);
+        maps->image[n] = maps->sum[0][0];
     }
     for (int i = 0; i < SIDE; i++)
         for (int j = i + 1; j < SIDE; j++)
-            *distance++ = distance_of(work->image[i * SIDE + j], work->image[j * SIDE + i], layer);
+            *out++ = mean_output(maps->image[i * SIDE + j], maps->image[j * SIDE + i], layer);
 }
 
-uint32_t NAME(edml__fconv_hash)(const edml_model *model)
+EDML_INTERNAL uint32_t WEIGHTS(edml__fconv_checksum)(const edml_model *model)
 {
-    const edml_fconv *net = model->layers;
-    return hash_layers(net->layers, EDML_FCONV_LAYERS);
+    return hash_layers(model->layers, model->layer_count);
 }
+
+#endif

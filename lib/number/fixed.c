@@ -1,4 +1,4 @@
-/* Division and square root in whole numbers.
+/* Division and square root in integers.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,13 +1,4 @@
-/* The camera's frame in fixed point: for programs that ask for it, which need not be lifting ones.
- *
- * SPDX-License-Identifier: MIT
- */
-#include "real_q24.h"
+/* SPDX-License-Identifier: MIT */
+#include "../api/api_q.h"
 
-#include "seen.inc"
-#include "vector.inc"
-#include "pose.inc"
-
-#include "rotation.inc"
-
-#include "camera.inc"
+#include "camera/pnp.h"

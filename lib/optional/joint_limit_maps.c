@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "limits.h"
+#include "joint_limit_maps.h"
 
-#include "../gen/joint_limits.h"
+#include "../../gen/joint_limits.h"

@@ -1,13 +1,17 @@
-/* Joint limits (section 3.3, as the paper has it): bones that point where people's do not.
+/* Joint limits (section 3.3, as the paper has it): bones that point where no training person's did.
  *
- * tools/learn_limits.py learns the maps; tools/reference.py has the same rule.
+ * tools/fitting/joint_limits.py learns the maps.
  *
  * SPDX-License-Identifier: MIT
  */
+#ifndef EDML_JOINT_LIMITS_H
+#define EDML_JOINT_LIMITS_H
 
-enum { OUTER_BONES = 9 };
+#include "../api/pose.h"
+#include "../geometry/torso.h"
+#include "joint_limit_maps.h"
 
-/* Axes of the torso, unit vectors; all none if it has no front. */
+/* Axes of the torso, unit vectors; all zero if it has no front. */
 typedef struct {
     point side, up, front; /* side: toward the subject's left */
 } torso_axes;
@@ -16,7 +20,7 @@ typedef struct {
     int row, column;
 } map_cell;
 
-static torso_axes axes_of(const point x[EDML_JOINTS], int right, int left)
+static torso_axes torso_axes_of(const point x[EDML_JOINTS], int right, int left)
 {
     const point front = forward(x, right, left);
     const point side = dot(front, front) > EPSILON ? direction(minus(x[left], x[right])) : front;
@@ -33,61 +37,61 @@ static point in_axes(torso_axes axes, point bone, int n)
     return n == 0 ? (left.x < 0 ? right : left) : n % 2 != 0 ? right : left;
 }
 
-static int points_nowhere(point bone) { return !(dot(bone, bone) > EPSILON); }
+static int has_no_direction(point bone) { return !(dot(bone, bone) > EPSILON); }
 
-/* After the half turn that brings its parent outward, down and forward: a straight limb is there.  No
- * parent points the opposite way, where the turn is not smooth. */
+/* The bone after the half rotation that brings its parent outward, down and forward: a straight limb points
+ * there.  No parent points the opposite way, where that rotation is not smooth. */
 static point unbent(point bone, point parent)
 {
     const real third = REAL(0.57735026918962576); /* sqrt(1/3) */
     const point straight = {third, -third, third};
     const point axis = direction(plus(parent, straight));
-    point turned = times(-REAL(1.0), bone);
-    add_multiple(&turned, 2 * dot(axis, bone), axis);
-    return turned;
+    point rotated = times(-REAL(1.0), bone);
+    add_multiple(&rotated, 2 * dot(axis, bone), axis);
+    return rotated;
 }
 
-/* Of -1 to 1, the cell: 0 to 15. */
-static int cell_along(real a)
+/* The cell of a number from -1 to 1: 0 to 15. */
+static int cell_index(real a)
 {
     int cell = 0;
-    for (real edge = -REAL(0.875); cell < EDML_LIMIT_CELLS - 1 && a >= edge; edge += REAL(0.125)) cell++;
+    for (real edge = -REAL(0.875); cell < EDML_MAP_CELLS - 1 && a >= edge; edge += REAL(0.125)) cell++;
     return cell;
 }
 
-/* On the octahedral map: the sphere, pushed onto an octahedron whose back is folded outwards. */
+/* The cell on the octahedral map: the sphere, pushed onto an octahedron whose back is folded outwards. */
 static map_cell cell_of(point bone)
 {
     const real sum = ABS(bone.x) + ABS(bone.y) + ABS(bone.z); /* 1 to 1.74 */
     const real x = DIV(bone.x, sum), y = DIV(bone.y, sum);
     const real beside_x = REAL(1.0) - ABS(y), beside_y = REAL(1.0) - ABS(x);
     const int back = bone.z < 0;
-    const map_cell cell = {cell_along(!back ? y : y < 0 ? -beside_y : beside_y),
-                           cell_along(!back ? x : x < 0 ? -beside_x : beside_x)};
+    const map_cell cell = {cell_index(!back ? y : y < 0 ? -beside_y : beside_y),
+                           cell_index(!back ? x : x < 0 ? -beside_x : beside_x)};
     return cell;
 }
 
-/* Of a bone in the torso's axes; parent: NULL of those that hang on the torso itself. */
+/* bone: in the torso's axes; parent: NULL for a bone that hangs on the torso itself. */
 static int is_human(int kind, point bone, const point *parent)
 {
-    static const uint8_t first[] = {EDML_LIMIT_ARMS, EDML_LIMIT_FOREARMS, EDML_LIMIT_HEAD,
-                                    EDML_LIMIT_THIGHS, EDML_LIMIT_SHINS};
+    static const uint8_t first[] = {EDML_ARM_MAPS, EDML_FOREARM_MAPS, EDML_HEAD_MAPS,
+                                    EDML_THIGH_MAPS, EDML_SHIN_MAPS};
     int map = first[kind];
-    if (points_nowhere(bone)) return 0;
+    if (has_no_direction(bone)) return 0;
     if (parent != NULL) {
-        if (points_nowhere(*parent)) return 0;
-        const map_cell of = cell_of(*parent);
-        map += of.row / 2 * EDML_LIMIT_PARENTS + of.column / 2;
+        if (has_no_direction(*parent)) return 0;
+        const map_cell parent_cell = cell_of(*parent);
+        map += parent_cell.row / 2 * EDML_MAP_PARENTS + parent_cell.column / 2;
         bone = unbent(bone, *parent);
     }
     const map_cell cell = cell_of(bone);
-    return edml__limits[map][cell.row] >> cell.column & 1;
+    return edml__joint_limit_maps[map][cell.row] >> cell.column & 1;
 }
 
-static int beyond_limits(const point x[EDML_JOINTS])
+static int count_violations(const point x[EDML_JOINTS])
 {
-    const torso_axes chest = axes_of(x, EDML_R_SHOULDER, EDML_L_SHOULDER);
-    const torso_axes pelvis = axes_of(x, EDML_R_HIP, EDML_L_HIP);
+    const torso_axes chest = torso_axes_of(x, EDML_R_SHOULDER, EDML_L_SHOULDER);
+    const torso_axes pelvis = torso_axes_of(x, EDML_R_HIP, EDML_L_HIP);
     point bone[OUTER_BONES];
     int beyond = 0;
     for (int n = 0; n < OUTER_BONES; n++) {
@@ -99,24 +103,34 @@ static int beyond_limits(const point x[EDML_JOINTS])
     return beyond;
 }
 
-int NAME(edml_limits)(const pose *given)
+static int count_pose_violations(const edml_pose *pose, int reflected)
 {
-    if (given == NULL || !is_pose(given)) return OUTER_BONES;
     point x[EDML_JOINTS];
-    for (int j = 0; j < EDML_JOINTS; j++) x[j] = given_joint(given, j);
-    return beyond_limits(x);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        x[j] = pose_joint(pose, j);
+        if (reflected) x[j].z = -x[j].z;
+    }
+    return count_violations(x);
 }
 
-int NAME(edml_mirror_by_limits)(pose *given)
+edml_status edml_joint_limits(int *violations, const edml_pose *pose)
 {
-    if (given == NULL || !is_pose(given)) return 0;
-    point x[EDML_JOINTS];
-    for (int j = 0; j < EDML_JOINTS; j++) x[j] = given_joint(given, j);
-    const int beyond = beyond_limits(x);
-    for (int j = 0; j < EDML_JOINTS; j++) x[j].z = -x[j].z;
-    const int mirrored = beyond_limits(x);
-    if (mirrored >= beyond) return mirrored - beyond;
-    for (int j = 0; j < EDML_JOINTS; j++) given->joint[j] = result(x[j]);
-    given->mirror_margin = 0;
-    return beyond - mirrored;
+    if (violations == NULL || pose == NULL) return EDML_ERR_ARGUMENT;
+    if (!is_pose(pose)) return EDML_ERR_NOT_FINITE;
+    *violations = count_pose_violations(pose, 0);
+    return EDML_OK;
 }
+
+edml_status edml_reflect_by_joint_limits(int *fewer, edml_pose *pose)
+{
+    if (fewer == NULL || pose == NULL) return EDML_ERR_ARGUMENT;
+    if (!is_pose(pose)) return EDML_ERR_NOT_FINITE;
+    const int gain = count_pose_violations(pose, 0) - count_pose_violations(pose, 1);
+    *fewer = gain > 0 ? gain : -gain;
+    if (gain <= 0) return EDML_OK;
+    for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j].z = -pose->joint[j].z;
+    pose->mirror_margin = 0;
+    return EDML_OK;
+}
+
+#endif

@@ -1,13 +1,4 @@
-/* Joint limits in float32: for programs that ask for them.
- *
- * SPDX-License-Identifier: MIT
- */
-#include "real_f32.h"
+/* SPDX-License-Identifier: MIT */
+#include "../api/api_f32.h"
 
-#include "limits.h"
-
-#include "vector.inc"
-#include "pose.inc"
-#include "torso.inc"
-
-#include "limits.inc"
+#include "joint_limits.h"

@@ -1,13 +1,4 @@
-/* Joint limits in fixed point: for programs that ask for them.
- *
- * SPDX-License-Identifier: MIT
- */
-#include "real_q24.h"
+/* SPDX-License-Identifier: MIT */
+#include "../api/api_q.h"
 
-#include "limits.h"
-
-#include "vector.inc"
-#include "pose.inc"
-#include "torso.inc"
-
-#include "limits.inc"
+#include "joint_limits.h"
