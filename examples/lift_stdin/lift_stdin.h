@@ -33,8 +33,8 @@ typedef struct {
 
 /* The answer to a line. */
 typedef struct {
-    const char *status;        /* nothing follows any but "ok" */
-    edml_pose pose;            /* rotated as it was placed, if it was */
+    const char *status; /* nothing follows any but "ok" */
+    edml_pose pose;     /* rotated as it was placed, if it was */
     float quality;
     const char *placed;        /* nothing follows any but "ok" */
     edml_point root;           /* mid-hip before the camera, metres */

@@ -9,8 +9,8 @@
 
 #include "lift_stdin.h"
 
-static const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8, &edml_fconv_f32,
-                                           &edml_fconv_w8};
+static const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8,
+                                           &edml_fconv_f32, &edml_fconv_w8};
 enum { MODELS = (int)(sizeof models / sizeof models[0]), FIRST_QUANTISED = 1 };
 
 static const char usage[] =
@@ -181,10 +181,10 @@ static void set_track(options *set, const char *text)
 
 static void set_height(options *set, const char *text)
 {
-    edml_pose zero = {{{0, 0, 0}}, 0, 0, 0}; /* edml_fit_body() fails later with it than with a bad height */
+    edml_pose zero = {
+        {{0, 0, 0}}, 0, 0, 0}; /* edml_fit_body() fails later with it than with a bad height */
     const int read = read_list(&set->body.height, 1, text);
-    if (read && set->body.height > 0 && edml_fit_body(&zero, &set->body) != EDML_ERR_BODY)
-        return;
+    if (read && set->body.height > 0 && edml_fit_body(&zero, &set->body) != EDML_ERR_BODY) return;
     fprintf(stderr, "lift_stdin: --height must be a person's, 0.5 to 2.5 metres, not '%s'\n", text);
     exit(EXIT_TROUBLE);
 }
@@ -196,14 +196,9 @@ static int set_value(options *set, char **argv, int *i)
         const char *name;
         void (*set)(options *set, const char *value);
     } settings[] = {
-        {"--model", set_model},
-        {"--format", set_format},
-        {"--threshold", set_threshold},
-        {"--image", set_image},
-        {"--camera", set_camera},
-        {"--focal", set_focal},
-        {"--track", set_track},
-        {"--height", set_height},
+        {"--model", set_model}, {"--format", set_format}, {"--threshold", set_threshold},
+        {"--image", set_image}, {"--camera", set_camera}, {"--focal", set_focal},
+        {"--track", set_track}, {"--height", set_height},
     };
     for (unsigned n = 0; n < sizeof settings / sizeof *settings; n++) {
         const char *value = option_value(settings[n].name, argv, i);

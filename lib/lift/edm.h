@@ -35,14 +35,13 @@ static int on_a_line(const image_point at[EDML_JOINTS], uint16_t seen)
 
 /* As edml_edm().  scratch: [MAX_IMPUTED * MAX_IMPUTED], for impute(); it may be edm. */
 static edml_status image_distances(real edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS],
-                                   int fewest_joints, real max_aspect,
-                                   const edml_imputation *imputation, real *scratch)
+                                   int fewest_joints, real max_aspect, const edml_imputation *imputation,
+                                   real *scratch)
 {
     uint16_t seen = seen_joints(in);
     if (!are_finite(in, seen)) return EDML_ERR_NOT_FINITE;
     if (count_seen(seen) < fewest_joints) return EDML_ERR_TOO_FEW_JOINTS;
-    if (imputation != NULL && count_seen(seen) < EDML_JOINTS - MAX_IMPUTED)
-        return EDML_ERR_TOO_FEW_JOINTS;
+    if (imputation != NULL && count_seen(seen) < EDML_JOINTS - MAX_IMPUTED) return EDML_ERR_TOO_FEW_JOINTS;
     const image_box box = box_of(in, seen);
     if (box.half_height <= MUL(RESOLUTION, box.magnitude)) return EDML_ERR_DEGENERATE;
     if (box.half_width > MUL(max_aspect, box.half_height)) return EDML_ERR_ASPECT;

@@ -22,8 +22,8 @@ edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], cons
     if (status != EDML_OK) return status;
     edml_work *const work = memory;
     real *const edm = work->scratch.layer[0];
-    status = image_distances(edm, in, model->fewest_joints, PARAM(model->max_aspect),
-                             model->imputation, edm);
+    status = image_distances(edm, in, model->fewest_joints, PARAM(model->max_aspect), model->imputation,
+                             edm);
     if (status != EDML_OK) return status;
 
     const uint16_t seen = seen_joints(in);
