@@ -20,7 +20,7 @@ from edmlift.joints import BONES, JOINTS, MIRROR
 from edmlift.keypoints import adapt
 from edmlift.lifting import Poses, lift
 from edmlift.metrics import joint_errors, mpjpe, pa_mpjpe, pck, procrustes
-from edmlift.models import models
+from edmlift.networks import models
 from edmlift.placing import Placements, place, stand
 from edmlift.plausibility import joint_limits, quality, reflect_by_joint_limits, uncertainty
 from edmlift.tracking import Track, Tracked, track

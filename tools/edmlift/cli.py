@@ -25,7 +25,7 @@ from edmlift.formats import FORMATS
 from edmlift.keypoints import read_joints
 from edmlift.lifting import Poses, lift
 from edmlift.metrics import mpjpe
-from edmlift.models import models
+from edmlift.networks import models
 
 TROUBLE, WRONG_OPTION = 1, 2  # exit statuses; argparse has the second, too
 _DOCUMENTATION = """\

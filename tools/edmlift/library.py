@@ -21,7 +21,7 @@ from edmlift.body import fit_joints
 from edmlift.formats import find_format
 from edmlift.keypoints import adapt_joints, to_q16
 from edmlift.lifting import Poses, lift_joints, lift_joints_q
-from edmlift.models import NAMES, find_model
+from edmlift.networks import NAMES, find_model
 from edmlift.placing import Placements, place_joints, place_joints_by_sweep, stand_joints
 from edmlift.plausibility import quality_of, reflect, uncertainty_of, violations_of
 from edmlift.stages import Stages

@@ -19,7 +19,7 @@ from edmlift.keypoints import (
     seen_bits,
     to_q16,
 )
-from edmlift.models import Model, find_model
+from edmlift.networks import Model, find_model
 
 _THREADED = "fconv"  # models so slow that poses are lifted side by side
 _Record = TypeVar("_Record")

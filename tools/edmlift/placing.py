@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from edmlift._binding import OK, PLACEMENT, Point, load
 from edmlift.keypoints import image_size
 from edmlift.lifting import Poses, batched, c_poses, first, pointers, status_names
-from edmlift.models import Model, find_model
+from edmlift.networks import Model, find_model
 
 _FIELDS = ("joint", "rotation", "translation", "reprojection")
 

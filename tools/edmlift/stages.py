@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from edmlift._binding import JOINT_COUNT, OBJECTIVES, OK, PAIR_COUNT, pointer
 from edmlift.keypoints import seen_bits
-from edmlift.models import Model
+from edmlift.networks import Model
 
 _F32 = NDArray[np.float32]
 

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from edmlift._binding import OK, POSE, TRACK, pointer
 from edmlift.keypoints import from_bits, read_joints
 from edmlift.lifting import Poses, first, pointers, to_poses
-from edmlift.models import Model, find_model
+from edmlift.networks import Model, find_model
 
 _ARMS, _LEGS = 1, 2  # EDML_SWAPPED_ARMS, EDML_SWAPPED_LEGS
 
