@@ -1,11 +1,10 @@
 # Flags of the library itself.
 #
-# -ffp-contract=off makes float results the same bits on every target; -fno-math-errno lets the
-# compiler use its square root instruction.
+# -ffp-contract=off makes float results the same bits on every target, as lib/number/real_f32.h does where no
+# flags are passed; -fno-math-errno lets the compiler use its square root instruction.
 function(edmlift_compile target)
   target_include_directories(${target}
-    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
-    PRIVATE ${PROJECT_SOURCE_DIR}/lib)
+    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
   set_target_properties(${target} PROPERTIES C_STANDARD 99 C_STANDARD_REQUIRED ON C_EXTENSIONS OFF)
   if(CMAKE_C_COMPILER_ID MATCHES "GNU|Clang")
     target_compile_options(${target} PRIVATE

@@ -9,7 +9,7 @@
  * training    recipe mds, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 5
+#if EDML_WEIGHTS_FORMAT != 6
 #error "regenerate with tools/export_weights.py"
 #endif
 
@@ -75809,21 +75809,24 @@ static const edml_dense_f32 fconv_f32_layers[] = {
     {64, 1, fconv_f32_weight4, fconv_f32_bias4},
 };
 
-static const edml_fconv fconv_f32_net = {edml__fconv_f32, NULL, fconv_f32_layers};
 extern const edml_model edml_fconv_f32;
 const edml_model edml_fconv_f32 = {
     "fconv_f32",
     0xb9da9eeeu, /* checksum */
-    edml__fconv_refuse,
+    edml__fconv_f32,
     NULL,
-    edml__fconv_hash_f32,
-    &fconv_f32_net,
-    0, /* layers of edml_lift() */
+    edml__fconv_checksum_f32,
+    fconv_f32_layers,
+    5, /* layers */
+    EDML_READS_DISTANCES,
+    EDML_GIVES_DISTANCES,
     10, /* fewest joints */
-    {0x1.cp1F, 58720256}, /* widest: 3.5 */
-    &edml_usual_completion, /* joints that are not seen */
+    sizeof(edml_fconv_work),
+    0,
+    {0x1.cp1F, 58720256}, /* max_aspect: 3.5 */
+    &edml_default_imputation,
     EDML_STRESS_NONE,
     0, /* refinement steps */
     {{0x1.4ea4a8p-2F, 5482794}, {0x1.85e354p-1F, 12775850}, {0x1.084b5ep-1F, 8660399}, {0x1.c91688p1F, 59911438}, {-0x1.884ea4p1F, -51420489}}, /* mirror */
-    {{0x1.9d80ap-9F, 52928}, {0x1.c6195p-9F, 58125}, {0x1.cbcfb8p-3F, 3766775}}, /* blend: 0.9106 of 0.05886 m, at 4.454 m */
+    {{0x1.9d80ap-9F, 52928}, {0x1.c6195p-9F, 58125}, {0x1.cbcfb8p-3F, 3766775}}, /* fusion: weight 0.9106, misfit 0.05886 m, distance 4.454 m */
 };

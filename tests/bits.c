@@ -10,12 +10,16 @@
 #include <string.h>
 
 #include "edmlift.h"
+#include "edmlift/body.h"
+#include "edmlift/camera.h"
+#include "edmlift/stages.h"
 #include "fconv_tiny.h"
+#include "number/real_f32.h" /* its input, too, is the same with fused operations switched on */
 
 enum { POSES = 200, MATRICES = 12, SHAPES = 12, STEPS = 6, NETS = 4 };
 
 static edml_work work;
-static edml_work_q24 work_q24;
+static edml_work_q work_q24;
 static uint64_t hash; /* FNV-1a */
 static uint32_t state;
 
@@ -60,7 +64,7 @@ static int lift_poses(const edml_model *model)
         edml_pose pose;
         memset(&pose, 0, sizeof pose);
         hard_pose(in, n);
-        const int8_t status = (int8_t)edml_lift(&pose, in, model, &work);
+        const int8_t status = (int8_t)edml_lift(&pose, in, model, &work, sizeof work);
         add_bytes(&status, sizeof status);
         add_bytes(&pose, sizeof pose);
         lifted += status == EDML_OK;
@@ -74,7 +78,7 @@ static int32_t fixed(float pixels)
     return pixels < 8192.0F ? (int32_t)(pixels * 65536.0F) : INT32_MAX;
 }
 
-static void hard_pose_q16(edml_keypoint_q16 in[EDML_JOINTS], int n)
+static void hard_pose_q16(edml_keypoint_q in[EDML_JOINTS], int n)
 {
     edml_keypoint image[EDML_JOINTS];
     hard_pose(image, n);
@@ -89,11 +93,11 @@ static int lift_poses_q24(const edml_model *model)
 {
     int lifted = 0;
     for (int n = 0; n < POSES; n++) {
-        edml_keypoint_q16 in[EDML_JOINTS];
-        edml_pose_q16 pose;
+        edml_keypoint_q in[EDML_JOINTS];
+        edml_pose_q pose;
         memset(&pose, 0, sizeof pose);
         hard_pose_q16(in, n);
-        const int8_t status = (int8_t)edml_lift_q24(&pose, in, model, &work_q24);
+        const int8_t status = (int8_t)edml_lift_q(&pose, in, model, &work_q24, sizeof work_q24);
         add_bytes(&status, sizeof status);
         add_bytes(&pose, sizeof pose);
         lifted += status == EDML_OK;
@@ -111,10 +115,10 @@ static int place_poses(void)
         edml_placement placement;
         memset(&placement, 0, sizeof placement);
         hard_pose(in, n);
-        if (edml_lift(&pose, in, &edml_fconn_f32, &work) != EDML_OK) continue;
+        if (edml_lift(&pose, in, &edml_fconn_f32, &work, sizeof work) != EDML_OK) continue;
         const float focal = (float)(500 + draw(2000));
         const edml_camera camera = {focal, focal, 1000, 0};
-        const int8_t status = (int8_t)edml_place(&placement, &pose, in, &camera, &work);
+        const int8_t status = (int8_t)edml_place(&placement, &pose, in, &camera, &work, sizeof work);
         add_bytes(&status, sizeof status);
         add_bytes(&placement, sizeof placement);
         placed += status == EDML_OK;
@@ -126,15 +130,15 @@ static int place_poses_q24(void)
 {
     int placed = 0;
     for (int n = 0; n < POSES; n++) {
-        edml_keypoint_q16 in[EDML_JOINTS];
-        edml_pose_q16 pose;
-        edml_placement_q16 placement;
+        edml_keypoint_q in[EDML_JOINTS];
+        edml_pose_q pose;
+        edml_placement_q placement;
         memset(&placement, 0, sizeof placement);
         hard_pose_q16(in, n);
-        if (edml_lift_q24(&pose, in, &edml_fconn_q15, &work_q24) != EDML_OK) continue;
+        if (edml_lift_q(&pose, in, &edml_fconn_w16, &work_q24, sizeof work_q24) != EDML_OK) continue;
         const int32_t focal = (500 + draw(2000)) * 65536;
-        const edml_camera_q16 camera = {focal, focal, 1000 * 65536, 0};
-        const int8_t status = (int8_t)edml_place_q24(&placement, &pose, in, &camera, &work_q24);
+        const edml_camera_q camera = {focal, focal, 1000 * 65536, 0};
+        const int8_t status = (int8_t)edml_place_q(&placement, &pose, in, &camera, &work_q24, sizeof work_q24);
         add_bytes(&status, sizeof status);
         add_bytes(&placement, sizeof placement);
         placed += status == EDML_OK;
@@ -150,15 +154,16 @@ static int resize_poses(void)
         edml_keypoint in[EDML_JOINTS];
         edml_pose pose;
         edml_point stood[EDML_JOINTS];
-        edml_person owner = {1.5F + 0.75F * draw_float(), {0}};
+        edml_body owner = {1.5F + 0.75F * draw_float(), {0}};
         const edml_point up = {draw_float(), draw_float(), draw_float()};
         if (n % 3 == 0) owner.bone[draw(EDML_BONES)] = 0.3F + 0.0625F * draw_float();
         hard_pose(in, n);
-        if (edml_lift(&pose, in, &edml_fconn_f32, &work) != EDML_OK) continue;
-        const float quality = edml_quality(&pose, in);
+        if (edml_lift(&pose, in, &edml_fconn_f32, &work, sizeof work) != EDML_OK) continue;
+        float quality = 0;
+        edml_quality(&quality, &pose, in);
         add_bytes(&quality, sizeof quality);
-        if (edml_floor(stood, &pose, up) == EDML_OK) add_bytes(stood, sizeof stood);
-        const int8_t status = (int8_t)edml_fit_person(&pose, &owner);
+        if (edml_stand(stood, &pose, up) == EDML_OK) add_bytes(stood, sizeof stood);
+        const int8_t status = (int8_t)edml_fit_body(&pose, &owner);
         add_bytes(&status, sizeof status);
         add_bytes(pose.joint, sizeof pose.joint);
         resized += status == EDML_OK;
@@ -170,18 +175,19 @@ static int resize_poses_q24(void)
 {
     int resized = 0;
     for (int n = 0; n < POSES; n++) {
-        edml_keypoint_q16 in[EDML_JOINTS];
-        edml_pose_q16 pose;
-        edml_point_q16 stood[EDML_JOINTS];
-        edml_person_q16 owner = {49152 + 48 * draw(2049), {0}};
-        const edml_point_q16 up = {draw(2049) - 1024, draw(2049) - 1024, draw(2049) - 1024};
+        edml_keypoint_q in[EDML_JOINTS];
+        edml_pose_q pose;
+        edml_point_q stood[EDML_JOINTS];
+        edml_body_q owner = {49152 + 48 * draw(2049), {0}};
+        const edml_point_q up = {draw(2049) - 1024, draw(2049) - 1024, draw(2049) - 1024};
         if (n % 3 == 0) owner.bone[draw(EDML_BONES)] = 16384 + 4 * draw(2049);
         hard_pose_q16(in, n);
-        if (edml_lift_q24(&pose, in, &edml_fconn_q15, &work_q24) != EDML_OK) continue;
-        const int32_t quality = edml_quality_q24(&pose, in);
+        if (edml_lift_q(&pose, in, &edml_fconn_w16, &work_q24, sizeof work_q24) != EDML_OK) continue;
+        int32_t quality = 0;
+        edml_quality_q(&quality, &pose, in);
         add_bytes(&quality, sizeof quality);
-        if (edml_floor_q24(stood, &pose, up) == EDML_OK) add_bytes(stood, sizeof stood);
-        const int8_t status = (int8_t)edml_fit_person_q24(&pose, &owner);
+        if (edml_stand_q(stood, &pose, up) == EDML_OK) add_bytes(stood, sizeof stood);
+        const int8_t status = (int8_t)edml_fit_body_q(&pose, &owner);
         add_bytes(&status, sizeof status);
         add_bytes(pose.joint, sizeof pose.joint);
         resized += status == EDML_OK;
@@ -192,12 +198,12 @@ static int resize_poses_q24(void)
 /* Entries of both signs, of one size. */
 static void decompose_matrices(void)
 {
-    static edml_matrix_f32 a;
-    static edml_eigen_f32 e;
+    static edml_matrix a;
+    static edml_eigen e;
     for (int n = 0; n < MATRICES; n++) {
         for (int i = 0; i < EDML_JOINTS; i++)
             for (int j = i; j < EDML_JOINTS; j++) a.at[i][j] = draw_float();
-        edml_jacobi_f32(&e, &a);
+        edml_jacobi(&e, &a);
         add_bytes(e.value, sizeof e.value);
         add_bytes(e.vector, sizeof e.vector);
     }
@@ -210,10 +216,10 @@ static void refine_shapes(void)
         edml_point x[EDML_JOINTS];
         float distance[EDML_PAIRS];
         for (int k = 0; k < EDML_PAIRS; k++) distance[k] = 1.0F + draw_float();
-        edml_mds_f32(x, distance, &work);
+        edml_mds(x, distance, &work);
         add_bytes(x, sizeof x);
         const edml_objective objective = (edml_objective)(EDML_STRESS_SQUARE + n % 3);
-        edml_refine_f32(x, distance, objective, STEPS, &work);
+        edml_refine(x, distance, objective, STEPS, &work);
         add_bytes(x, sizeof x);
     }
 }
@@ -221,12 +227,12 @@ static void refine_shapes(void)
 /* The same two, on whole numbers. */
 static void decompose_matrices_q24(void)
 {
-    static edml_matrix_q24 a;
-    static edml_eigen_q24 e;
+    static edml_matrix_q a;
+    static edml_eigen_q e;
     for (int n = 0; n < MATRICES; n++) {
         for (int i = 0; i < EDML_JOINTS; i++)
             for (int j = i; j < EDML_JOINTS; j++) a.at[i][j] = (draw(2049) - 1024) * (1 << 14);
-        edml_jacobi_q24(&e, &a);
+        edml_jacobi_q(&e, &a);
         add_bytes(e.value, sizeof e.value);
         add_bytes(e.vector, sizeof e.vector);
     }
@@ -238,23 +244,22 @@ static void refine_shapes_q24(void)
         edml_point_q24 x[EDML_JOINTS];
         int32_t distance[EDML_PAIRS];
         for (int k = 0; k < EDML_PAIRS; k++) distance[k] = draw(2049) * (1 << 14);
-        edml_mds_q24(x, distance, &work_q24);
+        edml_mds_q(x, distance, &work_q24);
         add_bytes(x, sizeof x);
         const edml_objective objective = (edml_objective)(EDML_STRESS_SQUARE + n % 3);
-        edml_refine_q24(x, distance, objective, STEPS, &work_q24);
+        edml_refine_q(x, distance, objective, STEPS, &work_q24);
         add_bytes(x, sizeof x);
     }
 }
 
 /* The distances that the small FConv of fconv_tiny.h predicts. */
-static int convolve(const edml_fconv *net)
+static int convolve(const edml_model *model)
 {
     static edml_fconv_work fconv_work;
-    const edml_model model = tiny_model(net);
     for (int n = 0; n < NETS; n++) {
         float distance[EDML_PAIRS];
         for (int k = 0; k < EDML_PAIRS; k++) distance[k] = (float)draw(2049) / 512.0F;
-        edml_net_fconv_f32(distance, distance, &model, &fconv_work);
+        edml_predict(distance, distance, model, &fconv_work, sizeof fconv_work);
         add_bytes(distance, sizeof distance);
     }
     return NETS;
@@ -285,14 +290,14 @@ int main(void)
     refine_shapes();
     report("float f32", lifted, "lifted");
     start();
-    report("float q15", lift_poses(&edml_fconn_q15), "lifted");
+    report("float q15", lift_poses(&edml_fconn_w16), "lifted");
     start();
-    lifted = lift_poses_q24(&edml_fconn_q15);
+    lifted = lift_poses_q24(&edml_fconn_w16);
     decompose_matrices_q24();
     refine_shapes_q24();
     report("fixed q15", lifted, "lifted");
     start();
-    report("fixed q7", lift_poses_q24(&edml_fconn_q7), "lifted");
+    report("fixed q7", lift_poses_q24(&edml_fconn_w8), "lifted");
     start();
     report("float f32", place_poses(), "placed");
     start();
@@ -302,8 +307,9 @@ int main(void)
     start();
     report("fixed q15", resize_poses_q24(), "resized");
     start();
-    report_of("fconv f32", convolve(&tiny_net_f32), NETS, "convolved");
+    const edml_model f32 = tiny_f32(), w8 = tiny_w8();
+    report_of("fconv f32", convolve(&f32), NETS, "convolved");
     start();
-    report_of("fconv q7", convolve(&tiny_net_q7), NETS, "convolved");
+    report_of("fconv q7", convolve(&w8), NETS, "convolved");
     return 0;
 }

@@ -1,4 +1,4 @@
-/* Any bytes into edml_lift, edml_track_lift and edml_lift_q24: a status that exists, and with it either a sound pose or
+/* Any bytes into edml_lift, edml_track_lift and edml_lift_q: a status that exists, and with it either a sound pose or
  * none; in fixed point no overflow, by the numbers that watch themselves (check/).  What was lifted is
  * placed before cameras of any kind, with the same demands.
  *
@@ -62,7 +62,7 @@ static void check_status(edml_status status)
 static void check_placement_status(edml_status status)
 {
     require(edml_status_name(status)[0] != '?', "an unknown status of a placement");
-    require(status != EDML_ERR_ARGUMENT && status != EDML_ERR_MODEL && status != EDML_ERR_UNUSUAL,
+    require(status != EDML_ERR_ARGUMENT && status != EDML_ERR_MODEL && status != EDML_ERR_ASPECT,
             "a placement's status without a cause");
 }
 
@@ -75,7 +75,7 @@ static void place_floats(const edml_pose *pose, const edml_keypoint in[EDML_JOIN
     const float focal = some_focal_length(data[1]);
     const edml_camera camera = {focal, focal, in[data[2] % EDML_JOINTS].x, in[data[3] % EDML_JOINTS].y};
     edml_placement placement;
-    const edml_status status = edml_place(&placement, pose, in, &camera, work);
+    const edml_status status = edml_place(&placement, pose, in, &camera, work, sizeof *work);
     check_placement_status(status);
     if (status != EDML_OK) return;
     for (int j = 0; j < EDML_JOINTS; j++) {
@@ -96,7 +96,7 @@ static void lift_floats(const uint8_t *data)
     memset(&work, data[0], sizeof work);
     read_keypoints(in, data);
 
-    const edml_status status = edml_lift(&pose, in, &edml_fconn_f32, &work);
+    const edml_status status = edml_lift(&pose, in, &edml_fconn_f32, &work, sizeof work);
     check_status(status);
     if (status == EDML_OK) {
         check_pose(&pose);
@@ -123,11 +123,11 @@ static void track_floats(const uint8_t *data)
         memcpy(&before, &pose, sizeof pose);
         memcpy(&untouched, &track, sizeof track);
         read_keypoints(in, moved);
-        const edml_status status = edml_track_lift(&pose, &track, in, time, &edml_fconn_f32, &work);
+        const edml_status status = edml_track_lift(&pose, &track, in, time, &edml_fconn_f32, &work, sizeof work);
         require(edml_status_name(status)[0] != '?', "an unknown status of a frame");
         if (status == EDML_OK) {
             check_pose(&pose);
-            require(track.unsteady >= 0 && track.unsteady <= 1, "a bad unsteadiness");
+            require(track.jitter >= 0 && track.jitter <= 1, "a bad unsteadiness");
         } else {
             require(memcmp(&pose, &before, sizeof pose) == 0, "a frame refused, but the pose was written");
             require(memcmp(&track, &untouched, sizeof track) == 0, "a frame refused, but it left a trace");
@@ -141,7 +141,7 @@ static void track_floats(const uint8_t *data)
 }
 
 /* As they are, or in 16-bit tenths of pixels, or such ones spread over the whole range. */
-static void read_keypoints_q16(edml_keypoint_q16 in[EDML_JOINTS], const uint8_t *data)
+static void read_keypoints_q16(edml_keypoint_q in[EDML_JOINTS], const uint8_t *data)
 {
     const int32_t unit = data[0] % 4 == 1 ? 65536 / 10 : 1 << data[0] / 4 % 15;
     for (int j = 0; j < EDML_JOINTS; j++) {
@@ -159,7 +159,7 @@ static void read_keypoints_q16(edml_keypoint_q16 in[EDML_JOINTS], const uint8_t 
     }
 }
 
-static void check_pose_q16(const edml_pose_q16 *pose)
+static void check_pose_q16(const edml_pose_q *pose)
 {
     const int32_t *number = &pose->joint[0].x, limit = 16 << 16; /* metres */
     for (int n = 0; n < 3 * EDML_JOINTS; n++)
@@ -169,17 +169,17 @@ static void check_pose_q16(const edml_pose_q16 *pose)
     require(pose->seen < 1 << EDML_JOINTS, "a joint that does not exist was seen");
 }
 
-static void place_whole_numbers(const edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS],
-                                const uint8_t *data, edml_work_q24 *work)
+static void place_whole_numbers(const edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS],
+                                const uint8_t *data, edml_work_q *work)
 {
     const int32_t focal = (int32_t)(65536 * some_focal_length(data[1] % 250)); /* to 7,600 */
-    const edml_camera_q16 camera = {focal, focal, in[data[2] % EDML_JOINTS].x,
+    const edml_camera_q camera = {focal, focal, in[data[2] % EDML_JOINTS].x,
                                     in[data[3] % EDML_JOINTS].y};
-    edml_placement_q16 placement, watched;
+    edml_placement_q placement, watched;
     check_tally taken;
     memset(&placement, 0xA5, sizeof placement);
     memset(&watched, 0xA5, sizeof watched);
-    const edml_status status = edml_place_q24(&placement, pose, in, &camera, work);
+    const edml_status status = edml_place_q(&placement, pose, in, &camera, work, sizeof *work);
     check_placement_status(status);
     require(check_place(&watched, pose, in, &camera, &taken) == status, "another status of a watched placement");
     require(taken.overflows == 0, "a number of a placement overflows");
@@ -188,17 +188,17 @@ static void place_whole_numbers(const edml_pose_q16 *pose, const edml_keypoint_q
 
 static void lift_whole_numbers(const uint8_t *data)
 {
-    const edml_model *model = data[0] & 128 ? &edml_fconn_q15 : &edml_fconn_q7;
-    edml_keypoint_q16 in[EDML_JOINTS];
-    edml_pose_q16 pose, watched;
-    edml_work_q24 work;
+    const edml_model *model = data[0] & 128 ? &edml_fconn_w16 : &edml_fconn_w8;
+    edml_keypoint_q in[EDML_JOINTS];
+    edml_pose_q pose, watched;
+    edml_work_q work;
     check_tally taken;
     memset(&pose, 0xA5, sizeof pose);
     memset(&watched, 0xA5, sizeof watched);
     memset(&work, data[0], sizeof work);
     read_keypoints_q16(in, data);
 
-    const edml_status status = edml_lift_q24(&pose, in, model, &work);
+    const edml_status status = edml_lift_q(&pose, in, model, &work, sizeof work);
     check_status(status);
     if (status == EDML_OK) check_pose_q16(&pose);
     require(check_lift(&watched, in, model, &taken) == status, "another status of watched numbers");
@@ -211,20 +211,20 @@ static void lift_whole_numbers(const uint8_t *data)
 static void lift_by_convolutions(const uint8_t *data)
 {
     static edml_fconv_work work;
-    static edml_fconv_work_q24 work_q24;
+    static edml_fconv_work_q work_q24;
     edml_keypoint in[EDML_JOINTS];
-    edml_keypoint_q16 in_q16[EDML_JOINTS];
+    edml_keypoint_q in_q16[EDML_JOINTS];
     edml_pose pose;
-    edml_pose_q16 pose_q16;
+    edml_pose_q pose_q16;
     memset(&work, data[0], sizeof work);
     memset(&work_q24, data[0], sizeof work_q24);
     read_keypoints(in, data);
     read_keypoints_q16(in_q16, data);
-    const edml_model *model = data[0] & 128 ? &edml_fconv_f32 : &edml_fconv_q7;
-    const edml_status status = edml_lift_fconv(&pose, in, model, &work);
+    const edml_model *model = data[0] & 128 ? &edml_fconv_f32 : &edml_fconv_w8;
+    const edml_status status = edml_lift(&pose, in, model, &work, sizeof work);
     check_status(status);
     if (status == EDML_OK) check_pose(&pose);
-    const edml_status other = edml_lift_fconv_q24(&pose_q16, in_q16, &edml_fconv_q7, &work_q24);
+    const edml_status other = edml_lift_q(&pose_q16, in_q16, &edml_fconv_w8, &work_q24, sizeof work_q24);
     check_status(other);
     if (other == EDML_OK) check_pose_q16(&pose_q16);
 }

@@ -92,7 +92,7 @@ void random_human(rng *r, edml_point x[EDML_JOINTS])
 {
     edml_point stand[EDML_JOINTS];
     human_pose(stand);
-    x[EDML_NECK] = stand[EDML_NECK];
+    x[EDML_NECK_BASE] = stand[EDML_NECK_BASE];
     for (int n = 0; n < EDML_BONES; n++) {
         const edml_point from = stand[edml_bones[n].from], to = stand[edml_bones[n].to];
         const double length = distance_between(from, to);

@@ -26,7 +26,7 @@ static void all_floats(float *out, const int32_t *values, int count)
     for (int n = 0; n < count; n++) out[n] = to_float(values[n]);
 }
 
-void to_q16(edml_keypoint_q16 out[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS])
+void to_q16(edml_keypoint_q out[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS])
 {
     for (int j = 0; j < EDML_JOINTS; j++) {
         out[j].x = saturate(65536.0 * (double)in[j].x, INT32_MIN, INT32_MAX);
@@ -39,13 +39,13 @@ static int32_t q16(float value) { return saturate(65536.0 * (double)value, INT32
 
 static float from_q16(int32_t value) { return (float)(value / 65536.0); }
 
-static edml_point point_from_q16(edml_point_q16 p)
+static edml_point point_from_q16(edml_point_q p)
 {
     const edml_point q = {from_q16(p.x), from_q16(p.y), from_q16(p.z)};
     return q;
 }
 
-void pose_to_q16(edml_pose_q16 *out, const edml_pose *pose)
+void pose_to_q16(edml_pose_q *out, const edml_pose *pose)
 {
     memset(out, 0, sizeof *out);
     for (int j = 0; j < EDML_JOINTS; j++) {
@@ -57,22 +57,22 @@ void pose_to_q16(edml_pose_q16 *out, const edml_pose *pose)
     out->residual = q16(pose->residual);
 }
 
-edml_camera_q16 camera_to_q16(edml_camera camera)
+edml_camera_q camera_to_q16(edml_camera camera)
 {
-    const edml_camera_q16 out = {q16(camera.fx), q16(camera.fy), q16(camera.cx), q16(camera.cy)};
+    const edml_camera_q out = {q16(camera.fx), q16(camera.fy), q16(camera.cx), q16(camera.cy)};
     return out;
 }
 
-static edml_work_q24 memory;
+static edml_work_q memory;
 static int32_t values[EDML_PAIRS];
 static edml_point_q24 points[EDML_JOINTS];
-static edml_keypoint_q16 keypoints[EDML_JOINTS];
+static edml_keypoint_q keypoints[EDML_JOINTS];
 
 edml_status q24_edm(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest,
-                    float widest, const edml_completion *completion)
+                    float widest, const edml_imputation *completion)
 {
     to_q16(keypoints, in);
-    const edml_status status = edml_edm_q24(values, keypoints, fewest, q24(widest), completion);
+    const edml_status status = edml_edm_q(values, keypoints, fewest, q24(widest), completion);
     if (status == EDML_OK) all_floats(edm, values, EDML_PAIRS);
     return status;
 }
@@ -82,17 +82,17 @@ void q24_net(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml
 {
     (void)work;
     all_q24(values, edm, EDML_PAIRS);
-    edml_net_q24(values, values, model, &memory);
+    edml_predict_q(values, values, model, &memory, sizeof memory);
     all_floats(distance, values, EDML_PAIRS);
 }
 
-void q24_jacobi(edml_eigen_f32 *eigen, const edml_matrix_f32 *a)
+void q24_jacobi(edml_eigen *eigen, const edml_matrix *a)
 {
-    static edml_matrix_q24 matrix;
-    static edml_eigen_q24 found;
+    static edml_matrix_q matrix;
+    static edml_eigen_q found;
     for (int i = 0; i < EDML_JOINTS; i++) /* below the diagonal there may be anything */
         all_q24(&matrix.at[i][i], &a->at[i][i], EDML_JOINTS - i);
-    edml_jacobi_q24(&found, &matrix);
+    edml_jacobi_q(&found, &matrix);
     all_floats(eigen->value, found.value, EDML_JOINTS);
     for (int k = 0; k < EDML_JOINTS; k++)
         all_floats(eigen->vector[k], found.vector[k], EDML_JOINTS);
@@ -102,7 +102,7 @@ void q24_mds(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_w
 {
     (void)work;
     all_q24(values, distance, EDML_PAIRS);
-    edml_mds_q24(points, values, &memory);
+    edml_mds_q(points, values, &memory);
     all_floats(&x->x, &points->x, 3 * EDML_JOINTS);
 }
 
@@ -112,7 +112,7 @@ int q24_refine(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
     (void)work;
     all_q24(values, distance, EDML_PAIRS);
     all_q24(&points->x, &x->x, 3 * EDML_JOINTS);
-    const int taken = edml_refine_q24(points, values, objective, steps, &memory);
+    const int taken = edml_refine_q(points, values, objective, steps, &memory);
     all_floats(&x->x, &points->x, 3 * EDML_JOINTS);
     return taken;
 }
@@ -122,13 +122,13 @@ float q24_stress(const edml_point x[EDML_JOINTS], const float distance[EDML_PAIR
 {
     all_q24(values, distance, EDML_PAIRS);
     all_q24(&points->x, &x->x, 3 * EDML_JOINTS);
-    return to_float(edml_stress_q24(points, values, objective));
+    return to_float(edml_stress_q(points, values, objective));
 }
 
 float q24_mirror(edml_point x[EDML_JOINTS], const edml_model *model)
 {
     all_q24(&points->x, &x->x, 3 * EDML_JOINTS);
-    const int32_t margin = edml_mirror_q24(points, model);
+    const int32_t margin = edml_mirror_q(points, model);
     all_floats(&x->x, &points->x, 3 * EDML_JOINTS);
     return to_float(margin);
 }
@@ -137,7 +137,7 @@ edml_status q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JO
 {
     to_q16(keypoints, in);
     all_q24(&points->x, &x->x, 3 * EDML_JOINTS);
-    const edml_status status = edml_orient_q24(points, keypoints, seen);
+    const edml_status status = edml_orient_q(points, keypoints, seen);
     if (status == EDML_OK) all_floats(&x->x, &points->x, 3 * EDML_JOINTS);
     return status;
 }
@@ -147,16 +147,16 @@ void q24_blend(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], u
 {
     to_q16(keypoints, in);
     all_q24(&points->x, &x->x, 3 * EDML_JOINTS);
-    edml_blend_q24(points, keypoints, seen, model);
+    edml_fuse_q(points, keypoints, seen, model);
     all_floats(&x->x, &points->x, 3 * EDML_JOINTS);
 }
 
 edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
                      edml_work *work)
 {
-    edml_pose_q16 lifted;
+    edml_pose_q lifted;
     if (in != NULL) to_q16(keypoints, in);
-    const edml_status status = edml_lift_q24(pose != NULL ? &lifted : NULL, in != NULL ? keypoints : NULL,
+    const edml_status status = edml_lift_q(pose != NULL ? &lifted : NULL, in != NULL ? keypoints : NULL,
                                              model, work != NULL ? &memory : NULL);
     if (status != EDML_OK) return status;
     for (int j = 0; j < EDML_JOINTS; j++) {
@@ -173,11 +173,11 @@ edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const
 /* At most 33 keypoints, in sets of 14 for to_q16(). */
 void q24_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const edml_format *format)
 {
-    edml_keypoint_q16 wide[3 * EDML_JOINTS], joint[EDML_JOINTS];
+    edml_keypoint_q wide[3 * EDML_JOINTS], joint[EDML_JOINTS];
     edml_keypoint padded[3 * EDML_JOINTS] = {{0, 0, 0}};
     memcpy(padded, in, format->keypoints * sizeof *in);
     for (int n = 0; n < 3; n++) to_q16(wide + n * EDML_JOINTS, padded + n * EDML_JOINTS);
-    edml_adapt_q16(joint, wide, format);
+    edml_adapt_q(joint, wide, format);
     for (int j = 0; j < EDML_JOINTS; j++) {
         out[j].x = (float)(joint[j].x / 65536.0);
         out[j].y = (float)(joint[j].y / 65536.0);
@@ -185,7 +185,7 @@ void q24_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const e
     }
 }
 
-static void from_placement_q16(edml_placement *out, const edml_placement_q16 *placed)
+static void from_placement_q16(edml_placement *out, const edml_placement_q *placed)
 {
     for (int j = 0; j < EDML_JOINTS; j++) out->joint[j] = point_from_q16(placed->joint[j]);
     for (int i = 0; i < 3; i++) out->rotation[i] = point_from_q16(placed->rotation[i]);
@@ -198,13 +198,13 @@ edml_status q24_place(edml_placement *placement, const edml_pose *pose,
                       const edml_keypoint in[EDML_JOINTS], const edml_camera *camera,
                       edml_work *work)
 {
-    edml_pose_q16 given;
-    edml_camera_q16 by;
-    edml_placement_q16 placed;
+    edml_pose_q given;
+    edml_camera_q by;
+    edml_placement_q placed;
     if (pose != NULL) pose_to_q16(&given, pose);
     if (in != NULL) to_q16(keypoints, in);
     if (camera != NULL) by = camera_to_q16(*camera);
-    const edml_status status = edml_place_q24(
+    const edml_status status = edml_place_q(
         placement != NULL ? &placed : NULL, pose != NULL ? &given : NULL, in != NULL ? keypoints : NULL,
         camera != NULL ? &by : NULL, work != NULL ? &memory : NULL);
     if (status == EDML_OK) from_placement_q16(placement, &placed);
@@ -215,12 +215,12 @@ edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, cons
                             const edml_keypoint in[EDML_JOINTS], float width, float height,
                             edml_work *work)
 {
-    edml_pose_q16 given;
-    edml_camera_q16 found;
-    edml_placement_q16 placed;
+    edml_pose_q given;
+    edml_camera_q found;
+    edml_placement_q placed;
     if (pose != NULL) pose_to_q16(&given, pose);
     if (in != NULL) to_q16(keypoints, in);
-    const edml_status status = edml_place_sweep_q24(
+    const edml_status status = edml_place_sweep_q(
         placement != NULL ? &placed : NULL, camera != NULL ? &found : NULL, pose != NULL ? &given : NULL,
         in != NULL ? keypoints : NULL, q16(width), q16(height), work != NULL ? &memory : NULL);
     if (status != EDML_OK) return status;
@@ -230,15 +230,15 @@ edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, cons
     return status;
 }
 
-edml_status q24_fit_person(edml_pose *pose, const edml_person *owner)
+edml_status q24_fit_person(edml_pose *pose, const edml_body *owner)
 {
-    edml_pose_q16 fitted;
-    edml_person_q16 known;
+    edml_pose_q fitted;
+    edml_body_q known;
     if (pose != NULL) pose_to_q16(&fitted, pose);
     if (owner != NULL) known.height = q16(owner->height);
     for (int n = 0; n < EDML_BONES && owner != NULL; n++) known.bone[n] = q16(owner->bone[n]);
     const edml_status status =
-        edml_fit_person_q24(pose != NULL ? &fitted : NULL, owner != NULL ? &known : NULL);
+        edml_fit_body_q(pose != NULL ? &fitted : NULL, owner != NULL ? &known : NULL);
     if (status != EDML_OK) return status;
     for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j] = point_from_q16(fitted.joint[j]);
     return status;
@@ -246,20 +246,20 @@ edml_status q24_fit_person(edml_pose *pose, const edml_person *owner)
 
 float q24_quality(const edml_pose *pose, const edml_keypoint in[EDML_JOINTS])
 {
-    edml_pose_q16 given;
+    edml_pose_q given;
     if (pose != NULL) pose_to_q16(&given, pose);
     if (in != NULL) to_q16(keypoints, in);
-    return from_q16(edml_quality_q24(pose != NULL ? &given : NULL, in != NULL ? keypoints : NULL));
+    return from_q16(edml_quality_q(pose != NULL ? &given : NULL, in != NULL ? keypoints : NULL));
 }
 
 edml_status q24_floor(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_point up)
 {
-    edml_pose_q16 given;
-    edml_point_q16 stood[EDML_JOINTS];
-    const edml_point_q16 upwards = {q16(up.x), q16(up.y), q16(up.z)};
+    edml_pose_q given;
+    edml_point_q stood[EDML_JOINTS];
+    const edml_point_q upwards = {q16(up.x), q16(up.y), q16(up.z)};
     if (pose != NULL) pose_to_q16(&given, pose);
     const edml_status status =
-        edml_floor_q24(out != NULL ? stood : NULL, pose != NULL ? &given : NULL, upwards);
+        edml_stand_q(out != NULL ? stood : NULL, pose != NULL ? &given : NULL, upwards);
     if (status != EDML_OK) return status;
     for (int j = 0; j < EDML_JOINTS; j++) out[j] = point_from_q16(stood[j]);
     return status;
@@ -267,18 +267,18 @@ edml_status q24_floor(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_p
 
 int q24_limits(const edml_pose *pose)
 {
-    edml_pose_q16 given;
+    edml_pose_q given;
     if (pose != NULL) pose_to_q16(&given, pose);
-    return edml_limits_q24(pose != NULL ? &given : NULL);
+    return edml_joint_limits_q(pose != NULL ? &given : NULL);
 }
 
 int q24_mirror_by_limits(edml_pose *pose)
 {
-    if (pose == NULL) return edml_mirror_by_limits_q24(NULL);
-    edml_pose_q16 given, chosen;
+    if (pose == NULL) return edml_reflect_by_joint_limits_q(NULL);
+    edml_pose_q given, chosen;
     pose_to_q16(&given, pose);
     chosen = given;
-    const int fewer = edml_mirror_by_limits_q24(&chosen);
+    const int fewer = edml_reflect_by_joint_limits_q(&chosen);
     if (memcmp(&given, &chosen, sizeof given) == 0) return fewer;
     for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j] = point_from_q16(chosen.joint[j]);
     pose->mirror_margin = from_q16(chosen.mirror_margin);

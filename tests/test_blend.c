@@ -19,9 +19,9 @@ static edml_number number(double value)
 static void set_model(double share, double misfit, double nearness)
 {
     model = edml_fconn_f32;
-    model.blend[0] = number(share * misfit * misfit);
-    model.blend[1] = number(misfit * misfit);
-    model.blend[2] = number(nearness);
+    model.fusion[0] = number(share * misfit * misfit);
+    model.fusion[1] = number(misfit * misfit);
+    model.fusion[2] = number(nearness);
 }
 
 /* A person, rooted, and a photograph of where joints really are, `noise` metres off. */
@@ -85,7 +85,7 @@ static void a_pose_that_agrees_stays(void)
     set_model(0.9, 0.05, 0);
     for (int n = 0; n < 100; n++) {
         someone(&r, 0);
-        edml_blend_f32(x, in, ALL_SEEN, &model);
+        edml_fuse(x, in, ALL_SEEN, &model);
         TEST_ASSERT_ERROR_UP_TO(BLEND_TOLERANCE, worst_joint_error(x, person));
     }
 }
@@ -114,7 +114,7 @@ static void nor_does_perspective_move_it(void)
             shift.y -= (low_y + high_y) / 2;
         }
         photograph(in, y);
-        edml_blend_f32(x, in, ALL_SEEN, &model);
+        edml_fuse(x, in, ALL_SEEN, &model);
         TEST_ASSERT_ERROR_UP_TO(BLEND_TOLERANCE, worst_joint_error(x, person));
     }
 }
@@ -125,12 +125,12 @@ static void what_disagrees_shrinks_by_the_weight(void)
     const double share = 0.75, misfit = 0.08;
     set_model(share, misfit, 0);
     for (int n = 0; n < 200; n++) {
-        const uint16_t seen = n % 2 ? ALL_SEEN : ALL_SEEN & ~(1 << EDML_L_KNEE | 1 << EDML_HEAD_TOP);
+        const uint16_t seen = n % 2 ? ALL_SEEN : ALL_SEEN & ~(1 << EDML_L_KNEE | 1 << EDML_HEAD);
         someone(&r, 0.01F * (float)(n % 20));
         for (int j = 0; j < EDML_JOINTS; j++)
             if (!(seen >> j & 1)) in[j].x = in[j].y = in[j].c = 0;
         const double before = disagreement(x, seen);
-        edml_blend_f32(x, in, seen, &model);
+        edml_fuse(x, in, seen, &model);
         const double left = 1 - share / (1 + before / (misfit * misfit));
         TEST_ASSERT_ERROR_UP_TO(BLEND_TOLERANCE, (float)(sqrt(disagreement(x, seen)) - left * sqrt(before)));
     }
@@ -142,7 +142,7 @@ static void depths_stay(void)
     set_model(1, 0.3, 0.2);
     for (int n = 0; n < 100; n++) {
         someone(&r, 0.1F);
-        edml_blend_f32(x, in, ALL_SEEN, &model);
+        edml_fuse(x, in, ALL_SEEN, &model);
         for (int j = 0; j < EDML_JOINTS; j++)
             TEST_ASSERT_FLOAT_WITHIN(BLEND_TOLERANCE, person[j].z, x[j].z);
     }
@@ -154,7 +154,7 @@ static void without_a_share_nothing_moves(void)
     set_model(0, 1, 0);
     for (int n = 0; n < 100; n++) {
         someone(&r, 0.1F);
-        edml_blend_f32(x, in, ALL_SEEN, &model);
+        edml_fuse(x, in, ALL_SEEN, &model);
         TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_joint_error(x, person));
     }
 }
@@ -166,7 +166,7 @@ static void joints_that_were_not_seen_stay_where_they_are(void)
     for (int n = 0; n < 100; n++) {
         someone(&r, 0.1F);
         in[EDML_R_WRIST].x = in[EDML_L_ANKLE].y = NAN;
-        edml_blend_f32(x, in, ALL_SEEN & ~(1 << EDML_R_WRIST) & ~(1 << EDML_L_ANKLE), &model);
+        edml_fuse(x, in, ALL_SEEN & ~(1 << EDML_R_WRIST) & ~(1 << EDML_L_ANKLE), &model);
         TEST_ASSERT_TRUE(all_finite(x, 3 * EDML_JOINTS));
         const edml_point a = person[EDML_R_WRIST], b = person[EDML_L_ANKLE];
         TEST_ASSERT_FLOAT_WITHIN(BLEND_TOLERANCE, a.x - b.x, x[EDML_R_WRIST].x - x[EDML_L_ANKLE].x);
@@ -180,7 +180,7 @@ static void mid_hip_is_the_origin(void)
     set_model(0.9, 0.3, 0.2);
     for (int n = 0; n < 50; n++) {
         someone(&r, 0.1F);
-        edml_blend_f32(x, in, ALL_SEEN, &model);
+        edml_fuse(x, in, ALL_SEEN, &model);
         TEST_ASSERT_ERROR_UP_TO(ROUNDING, x[EDML_R_HIP].x + x[EDML_L_HIP].x);
         TEST_ASSERT_ERROR_UP_TO(ROUNDING, x[EDML_R_HIP].y + x[EDML_L_HIP].y);
         TEST_ASSERT_ERROR_UP_TO(ROUNDING, x[EDML_R_HIP].z + x[EDML_L_HIP].z);
@@ -197,9 +197,9 @@ static void a_mirrored_image_mirrors_the_pose(void)
             y[j] = x[j];
             y[j].x = -x[j].x;
         }
-        edml_blend_f32(x, in, ALL_SEEN, &model);
+        edml_fuse(x, in, ALL_SEEN, &model);
         for (int j = 0; j < EDML_JOINTS; j++) in[j].x = -in[j].x;
-        edml_blend_f32(y, in, ALL_SEEN, &model);
+        edml_fuse(y, in, ALL_SEEN, &model);
         for (int j = 0; j < EDML_JOINTS; j++) y[j].x = -y[j].x;
         TEST_ASSERT_ERROR_UP_TO(BLEND_TOLERANCE, worst_joint_error(x, y));
     }
@@ -210,7 +210,7 @@ static void a_mirrored_image_mirrors_the_pose(void)
 static void check_kept(void)
 {
     memcpy(x, person, sizeof x);
-    edml_blend_f32(x, in, ALL_SEEN, &model);
+    edml_fuse(x, in, ALL_SEEN, &model);
     TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_joint_error(x, person));
 }
 
@@ -236,7 +236,7 @@ static void equal_points_stay_at_the_origin(void)
     set_model(1, 0.01, 0.3);
     someone(&r, 0);
     equal_points(x, 0, 0, 0);
-    edml_blend_f32(x, in, ALL_SEEN, &model);
+    edml_fuse(x, in, ALL_SEEN, &model);
     for (int j = 0; j < EDML_JOINTS; j++)
         TEST_ASSERT_TRUE(x[j].x == 0 && x[j].y == 0 && x[j].z == 0);
 }
@@ -247,11 +247,11 @@ static void no_joints_leave_the_pose_and_bits_beyond_them_do_not_count(void)
     set_model(1, 0.01, 0.3);
     someone(&r, 0.05F);
     memcpy(x, person, sizeof x);
-    edml_blend_f32(x, in, 0, &model);
+    edml_fuse(x, in, 0, &model);
     TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_joint_error(x, person));
     memcpy(y, x, sizeof y);
-    edml_blend_f32(x, in, ALL_SEEN, &model);
-    edml_blend_f32(y, in, 0xFFFF, &model);
+    edml_fuse(x, in, ALL_SEEN, &model);
+    edml_fuse(y, in, 0xFFFF, &model);
     TEST_ASSERT_EQUAL_MEMORY(x, y, sizeof x);
 }
 

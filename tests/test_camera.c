@@ -85,7 +85,7 @@ static void hide(rng *r, int joints)
 
 static void run(void)
 {
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_place(&placement, &pose, in, &camera, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_place(&placement, &pose, in, &camera, &work, sizeof work));
 }
 
 /* Degrees between the rotation found and the one that undoes `turn`. */
@@ -175,7 +175,7 @@ static void flat_people_are_seen_where_they_were(void)
         stand_at(0, 0, 4);
         take_pose(mid_hip(), random_rotation(&r));
         see(in, &camera, person);
-        const edml_status status = edml_place(&placement, &pose, in, &camera, &work);
+        const edml_status status = edml_place(&placement, &pose, in, &camera, &work, sizeof work);
         if (status == EDML_ERR_DEGENERATE) continue; /* edge on: the image is a line */
         TEST_ASSERT_EQUAL_INT(EDML_OK, status);
         if (placement.reprojection > PLACE_FLAT_PIXELS || translation_error() > PLACE_FLAT_SHARE) lost++;
@@ -299,7 +299,7 @@ static void the_sweep_finds_a_focal_length_of_its_own(void)
         someone_somewhere(&r, 2, 2.5F);
         const edml_camera one = {focal, focal, 320, 240};
         see(in, &one, person);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_place_sweep(&placement, &found, &pose, in, 640, 480, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_place_sweep(&placement, &found, &pose, in, 640, 480, &work, sizeof work));
         TEST_ASSERT_ERROR_UP_TO(0.01F, found.fx / focal - 1);
         TEST_ASSERT_TRUE(found.fx == found.fy && found.cx == 320 && found.cy == 240);
         TEST_ASSERT_ERROR_UP_TO(PLACE_SWEEP_SHARE, translation_error());
@@ -315,10 +315,10 @@ static void the_sweep_needs_an_image(void)
     someone_somewhere(&r, 3, 6);
     for (int n = 0; n < 8; n++)
         TEST_ASSERT_EQUAL_INT(EDML_ERR_CAMERA,
-                              edml_place_sweep(&placement, &found, &pose, in, sizes[n][0], sizes[n][1], &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place_sweep(NULL, &found, &pose, in, 640, 480, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place_sweep(&placement, NULL, &pose, in, 640, 480, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place_sweep(&placement, &found, NULL, in, 640, NAN, &work));
+                              edml_place_sweep(&placement, &found, &pose, in, sizes[n][0], sizes[n][1], &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place_sweep(NULL, &found, &pose, in, 640, 480, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place_sweep(&placement, NULL, &pose, in, 640, 480, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place_sweep(&placement, &found, NULL, in, 640, NAN, &work, sizeof work));
 }
 
 /* ---- What gets no place ------------------------------------------------------------------------ */
@@ -329,7 +329,7 @@ static void expect(edml_status status)
     edml_placement before;
     memset(&placement, 0x5A, sizeof placement);
     memcpy(&before, &placement, sizeof before);
-    TEST_ASSERT_EQUAL_INT(status, edml_place(&placement, &pose, in, &camera, &work));
+    TEST_ASSERT_EQUAL_INT(status, edml_place(&placement, &pose, in, &camera, &work, sizeof work));
     TEST_ASSERT_SAME_BYTES(before, placement);
 }
 
@@ -342,10 +342,10 @@ static void someone_usual(uint32_t seed)
 static void null_pointers(void)
 {
     someone_usual(81);
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(NULL, &pose, in, &camera, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, NULL, in, &camera, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, NULL, &camera, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, in, NULL, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(NULL, &pose, in, &camera, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, NULL, in, &camera, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, NULL, &camera, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, in, NULL, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, in, &camera, NULL));
 }
 
@@ -373,10 +373,10 @@ static void a_camera_that_cannot_have_seen_that(void)
 {
     someone_usual(83);
     camera.fx = camera.fy = 50; /* joints 63 degrees off the axis */
-    in[EDML_HEAD_TOP].y = camera.cy - 101;
+    in[EDML_HEAD].y = camera.cy - 101;
     expect(EDML_ERR_CAMERA);
     someone_usual(83);
-    in[EDML_HEAD_TOP].x += 2000;
+    in[EDML_HEAD].x += 2000;
     expect(EDML_ERR_CAMERA);
 }
 

@@ -22,10 +22,10 @@ static view random_view(rng *r, float noise)
     edml_keypoint image[EDML_JOINTS];
     edml_point x[EDML_JOINTS];
     view v;
-    v.joint = memory.use.step[0];
-    v.ray = memory.use.step[1];
-    v.a = memory.use.step[2];
-    v.b = memory.use.step[3];
+    v.joint = memory.scratch.step[0];
+    v.ray = memory.scratch.step[1];
+    v.a = memory.scratch.step[2];
+    v.b = memory.scratch.step[3];
     const float depth = uniform(r, 3, 6), across = uniform(r, -1, 1);
     const rotation3 turn = random_rotation(r);
     random_human(r, someone.joint);

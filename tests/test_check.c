@@ -10,9 +10,9 @@
 
 enum { ROOM = 1 << 29, THREE_METRES = 3 << 24 };
 
-static edml_work_q24 work;
-static edml_keypoint_q16 in[EDML_JOINTS];
-static const edml_model *const models[] = {&edml_fconn_q15, &edml_fconn_q7};
+static edml_work_q work;
+static edml_keypoint_q in[EDML_JOINTS];
+static const edml_model *const models[] = {&edml_fconn_w16, &edml_fconn_w8};
 
 static check_tally worst, total;
 static long lifts;
@@ -32,11 +32,11 @@ static void keep_worst(const check_tally *taken)
 
 static int lift_both(const edml_model *model)
 {
-    edml_pose_q16 expected, found;
+    edml_pose_q expected, found;
     check_tally taken;
     memset(&expected, 0, sizeof expected);
     memset(&found, 0, sizeof found);
-    const edml_status status = edml_lift_q24(&expected, in, model, &work);
+    const edml_status status = edml_lift_q(&expected, in, model, &work, sizeof work);
     TEST_ASSERT_EQUAL_INT(status, check_lift(&found, in, model, &taken));
     TEST_ASSERT_SAME_BYTES(expected, found);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
@@ -122,7 +122,7 @@ static void check_distances(const int32_t distance[EDML_PAIRS])
 {
     int32_t x[EDML_JOINTS][3];
     check_tally taken;
-    check_points(x, distance, in, &edml_fconn_q15, &taken);
+    check_points(x, distance, in, &edml_fconn_w16, &taken);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
     for (int objective = EDML_STRESS_SQUARE; objective <= EDML_STRESS_EQ2; objective++) {
         check_refine(x, distance, (edml_objective)objective, 6, &taken);
@@ -185,14 +185,14 @@ static void crowds_three_metres_apart(void)
 
 static int place_both(const edml_pose *pose, const edml_camera *by)
 {
-    edml_placement_q16 expected, found;
-    edml_pose_q16 given;
+    edml_placement_q expected, found;
+    edml_pose_q given;
     check_tally taken;
-    const edml_camera_q16 camera = camera_to_q16(*by);
+    const edml_camera_q camera = camera_to_q16(*by);
     pose_to_q16(&given, pose);
     memset(&expected, 0, sizeof expected);
     memset(&found, 0, sizeof found);
-    const edml_status status = edml_place_q24(&expected, &given, in, &camera, &work);
+    const edml_status status = edml_place_q(&expected, &given, in, &camera, &work, sizeof work);
     TEST_ASSERT_EQUAL_INT(status, check_place(&found, &given, in, &camera, &taken));
     TEST_ASSERT_SAME_BYTES(expected, found);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
@@ -264,27 +264,27 @@ static void placements_of_noise(void)
 
 /* ---- Poses of a person, their quality, and on the floor ----------------------------------------------- */
 
-static void with_poses_both(const edml_pose_q16 *pose, const edml_person_q16 *owner,
-                            edml_point_q16 up)
+static void with_poses_both(const edml_pose_q *pose, const edml_body_q *owner,
+                            edml_point_q up)
 {
     check_tally taken;
-    edml_pose_q16 expected = *pose, found = *pose;
-    edml_point_q16 stood[EDML_JOINTS], other[EDML_JOINTS];
-    TEST_ASSERT_EQUAL_INT(edml_fit_person_q24(&expected, owner),
+    edml_pose_q expected = *pose, found = *pose;
+    edml_point_q stood[EDML_JOINTS], other[EDML_JOINTS];
+    TEST_ASSERT_EQUAL_INT(edml_fit_body_q(&expected, owner),
                           check_fit_person(&found, owner, &taken));
     TEST_ASSERT_SAME_BYTES(expected, found);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
-    TEST_ASSERT_EQUAL_INT(edml_quality_q24(pose, in), check_quality(pose, in, &taken));
+    TEST_ASSERT_EQUAL_INT(edml_quality_q(pose, in), check_quality(pose, in, &taken));
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
     memset(stood, 0, sizeof stood);
     memset(other, 0, sizeof other);
-    TEST_ASSERT_EQUAL_INT(edml_floor_q24(stood, pose, up), check_floor(other, pose, up, &taken));
+    TEST_ASSERT_EQUAL_INT(edml_stand_q(stood, pose, up), check_floor(other, pose, up, &taken));
     TEST_ASSERT_SAME_BYTES(stood, other);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
-    TEST_ASSERT_EQUAL_INT(edml_limits_q24(pose), check_limits(pose, &taken));
+    TEST_ASSERT_EQUAL_INT(edml_joint_limits_q(pose), check_limits(pose, &taken));
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
     expected = found = *pose;
-    TEST_ASSERT_EQUAL_INT(edml_mirror_by_limits_q24(&expected), check_mirror_by_limits(&found, &taken));
+    TEST_ASSERT_EQUAL_INT(edml_reflect_by_joint_limits_q(&expected), check_mirror_by_limits(&found, &taken));
     TEST_ASSERT_SAME_BYTES(expected, found);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
 }
@@ -295,8 +295,8 @@ static void poses_of_any_size(void)
     rng r = rng_seed(88);
     for (int n = 0; n < 20000; n++) {
         edml_pose pose;
-        edml_pose_q16 given;
-        edml_person_q16 owner;
+        edml_pose_q given;
+        edml_body_q owner;
         memset(&owner, 0, sizeof owner);
         memset(&pose, 0, sizeof pose);
         const int shift = (int)(rng_bits(&r) % 20);
@@ -316,7 +316,7 @@ static void poses_of_any_size(void)
             in[j].y = (int32_t)rng_bits(&r) >> (2 + shift);
             in[j].c = rng_bits(&r) % 8 ? 1 : 0;
         }
-        const edml_point_q16 up = {(int32_t)rng_bits(&r) >> shift, (int32_t)rng_bits(&r) >> shift,
+        const edml_point_q up = {(int32_t)rng_bits(&r) >> shift, (int32_t)rng_bits(&r) >> shift,
                                    (int32_t)rng_bits(&r) >> shift};
         with_poses_both(&given, &owner, up);
     }

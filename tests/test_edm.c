@@ -33,12 +33,12 @@ static void someone(void)
 
 static edml_status run(float out[EDML_PAIRS])
 {
-    return edml_edm_f32(out, in, FEWEST, WIDEST, NULL);
+    return edml_edm(out, in, FEWEST, WIDEST, NULL);
 }
 
 static edml_status run_completed(float out[EDML_PAIRS])
 {
-    return edml_edm_f32(out, in, 1, WIDEST, &edml_usual_completion);
+    return edml_edm(out, in, 1, WIDEST, &edml_default_imputation);
 }
 
 /* in -> a x + b, per axis */
@@ -83,9 +83,9 @@ static void values_are_distances_over_half_the_height(void)
 static void joints_one_above_the_other_at_the_extremes_are_exactly_2_apart(void)
 {
     someone();
-    in[EDML_HEAD_TOP].x = in[EDML_L_ANKLE].x;
+    in[EDML_HEAD].x = in[EDML_L_ANKLE].x;
     TEST_ASSERT_EQUAL_INT(EDML_OK, run(edm));
-    TEST_ASSERT_TRUE(edm[EDML_PAIR(EDML_HEAD_TOP, EDML_L_ANKLE)] == 2.0F);
+    TEST_ASSERT_TRUE(edm[EDML_PAIR(EDML_HEAD, EDML_L_ANKLE)] == 2.0F);
 }
 
 /* The 91 values stand for a symmetric matrix: exchanging joints exchanges rows and columns. */
@@ -186,8 +186,8 @@ static void a_guess_is_at_the_weighted_mean_of_the_others(void)
                 if (in[j].c > 0) continue;
                 double x = 0, y = 0;
                 for (int i = 0; i < EDML_JOINTS; i++) {
-                    x += (double)all[i].x * edml_usual_completion.weight[j][i] / EDML_COMPLETION_ONE;
-                    y += (double)all[i].y * edml_usual_completion.weight[j][i] / EDML_COMPLETION_ONE;
+                    x += (double)all[i].x * edml_default_imputation.weight[j][i] / EDML_IMPUTATION_ONE;
+                    y += (double)all[i].y * edml_default_imputation.weight[j][i] / EDML_IMPUTATION_ONE;
                 }
                 all[j].x = (float)x;
                 all[j].y = (float)y;
@@ -213,13 +213,13 @@ static void weights_of_a_guess_add_up_to_one_and_are_the_same_for_left_and_right
     for (int i = 0; i < EDML_JOINTS; i++) {
         int sum = 0;
         for (int j = 0; j < EDML_JOINTS; j++) {
-            sum += edml_usual_completion.weight[i][j];
+            sum += edml_default_imputation.weight[i][j];
             TEST_ASSERT_EQUAL_INT(
-                edml_usual_completion.weight[i][j],
-                edml_usual_completion.weight[edml_mirror_joint[i]][edml_mirror_joint[j]]);
+                edml_default_imputation.weight[i][j],
+                edml_default_imputation.weight[edml_mirror_joint[i]][edml_mirror_joint[j]]);
         }
-        TEST_ASSERT_EQUAL_INT(EDML_COMPLETION_ONE, sum);
-        TEST_ASSERT_EQUAL_INT(0, edml_usual_completion.weight[i][i]);
+        TEST_ASSERT_EQUAL_INT(EDML_IMPUTATION_ONE, sum);
+        TEST_ASSERT_EQUAL_INT(0, edml_default_imputation.weight[i][i]);
     }
 }
 
@@ -346,7 +346,7 @@ static void fewer_than_the_fewest_joints_are_refused(void)
     someone();
     for (int j = 0; j < EDML_JOINTS - FEWEST; j++) in[2 + j].c = 0;
     check(EDML_OK);
-    in[EDML_HEAD_TOP].c = 0;
+    in[EDML_HEAD].c = 0;
     check(EDML_ERR_TOO_FEW_JOINTS);
     for (int j = 0; j < EDML_JOINTS; j++) in[j].c = -0.0F;
     check(EDML_ERR_TOO_FEW_JOINTS);
@@ -420,7 +420,7 @@ static void wider_than_the_widest_is_refused(void)
 {
     someone();
     map(40, 0, 1, 0);
-    check(EDML_ERR_UNUSUAL);
+    check(EDML_ERR_ASPECT);
 }
 
 static void coordinates_whose_differences_overflow_are_measured(void)
@@ -442,7 +442,7 @@ static void extreme_coordinates_give_finite_values_or_a_refusal(void)
         map(size[n], 0, size[n], 0);
         const edml_status status = run(edm);
         TEST_ASSERT_TRUE(status == EDML_OK || status == EDML_ERR_DEGENERATE ||
-                         status == EDML_ERR_UNUSUAL);
+                         status == EDML_ERR_ASPECT);
         if (status != EDML_OK) continue;
         TEST_ASSERT_TRUE(all_finite(edm, EDML_PAIRS));
         for (int k = 0; k < EDML_PAIRS; k++) TEST_ASSERT_TRUE(edm[k] >= 0 && edm[k] <= 2 * WIDEST + 2);
@@ -472,25 +472,25 @@ static void output_stays_untouched_when_refused(void)
     TEST_ASSERT_SAME_BYTES(again, edm);
     someone();
     map(40, 0, 1, 0);
-    check(EDML_ERR_UNUSUAL);
+    check(EDML_ERR_ASPECT);
     TEST_ASSERT_SAME_BYTES(again, edm);
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_edm_f32(NULL, in, FEWEST, WIDEST, NULL));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_edm_f32(edm, NULL, FEWEST, WIDEST, NULL));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_edm(NULL, in, FEWEST, WIDEST, NULL));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_edm(edm, NULL, FEWEST, WIDEST, NULL));
     TEST_ASSERT_SAME_BYTES(again, edm);
 }
 
 /* Two joints that are each expected where the other one is. */
 static void a_completion_that_goes_round_in_a_circle_is_refused(void)
 {
-    edml_completion circle = edml_usual_completion;
+    edml_imputation circle = edml_default_imputation;
     memset(circle.weight[EDML_R_ELBOW], 0, sizeof circle.weight[0]);
     memset(circle.weight[EDML_R_WRIST], 0, sizeof circle.weight[0]);
-    circle.weight[EDML_R_ELBOW][EDML_R_WRIST] = EDML_COMPLETION_ONE;
-    circle.weight[EDML_R_WRIST][EDML_R_ELBOW] = EDML_COMPLETION_ONE;
+    circle.weight[EDML_R_ELBOW][EDML_R_WRIST] = EDML_IMPUTATION_ONE;
+    circle.weight[EDML_R_WRIST][EDML_R_ELBOW] = EDML_IMPUTATION_ONE;
     someone();
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_f32(edm, in, FEWEST, WIDEST, &circle));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm(edm, in, FEWEST, WIDEST, &circle));
     in[EDML_R_ELBOW].c = in[EDML_R_WRIST].c = 0;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_edm_f32(edm, in, FEWEST, WIDEST, &circle));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_edm(edm, in, FEWEST, WIDEST, &circle));
 }
 
 int main(void)

@@ -13,9 +13,9 @@ enum { VECTORS = sizeof fconv_vectors / sizeof fconv_vectors[0] };
 
 static edml_model f32, q7;
 static edml_fconv_work work;
-static edml_fconv_work_q24 work_q24;
+static edml_fconv_work_q work_q24;
 static edml_keypoint in[EDML_JOINTS];
-static edml_keypoint_q16 in_q16[EDML_JOINTS];
+static edml_keypoint_q in_q16[EDML_JOINTS];
 static edml_pose pose, again;
 
 static void make_models(void)
@@ -57,7 +57,7 @@ static void the_float_network_is_numpys(void)
     int32_t whole[EDML_PAIRS];
     for (int n = 0; n < VECTORS; n++) {
         load(edm, whole, n);
-        edml_net_fconv_f32(distance, edm, &f32, &work);
+        edml_predict(distance, edm, &f32, &work, sizeof work);
         for (int k = 0; k < EDML_PAIRS; k++)
             worst = worse(worst, (float)fabs((double)distance[k] - fconv_vectors[n].distance[k]));
     }
@@ -71,9 +71,9 @@ static void whole_numbers_are_numpys_exactly(void)
     int32_t whole[EDML_PAIRS];
     for (int n = 0; n < VECTORS; n++) {
         load(edm, whole, n);
-        edml_net_fconv_q24(whole, whole, &q7, &work_q24); /* in place */
+        edml_predict_q(whole, whole, &q7, &work_q24, sizeof work_q24); /* in place */
         TEST_ASSERT_EQUAL_INT32_ARRAY(fconv_vectors[n].whole, whole, EDML_PAIRS);
-        edml_net_fconv_f32(distance, edm, &q7, &work);
+        edml_predict(distance, edm, &q7, &work, sizeof work);
         for (int k = 0; k < EDML_PAIRS; k++)
             TEST_ASSERT_TRUE(distance[k] == (float)fconv_vectors[n].whole[k] / 16777216.0F);
     }
@@ -97,12 +97,12 @@ static void what_work_memory_held_does_not_matter(void)
     int32_t whole[EDML_PAIRS], whole_other[EDML_PAIRS];
     load(edm, whole, 1);
     memset(&work, 0, sizeof work);
-    edml_net_fconv_f32(distance, edm, &f32, &work);
+    edml_predict(distance, edm, &f32, &work, sizeof work);
     memset(&work, 0xFF, sizeof work); /* NaN */
-    edml_net_fconv_f32(other, edm, &f32, &work);
+    edml_predict(other, edm, &f32, &work, sizeof work);
     TEST_ASSERT_SAME_BYTES(distance, other);
     memset(&work_q24, 0x7F, sizeof work_q24);
-    edml_net_fconv_q24(whole_other, whole, &q7, &work_q24);
+    edml_predict_q(whole_other, whole, &q7, &work_q24, sizeof work_q24);
     TEST_ASSERT_EQUAL_INT32_ARRAY(fconv_vectors[1].whole, whole_other, EDML_PAIRS);
 }
 
@@ -111,7 +111,7 @@ static void input_beyond_any_edm_is_limited(void)
     int32_t edm[EDML_PAIRS], distance[EDML_PAIRS];
     for (int n = 0; n < 2; n++) { /* 8, and the largest there is: both are 32767 in Q12 */
         for (int k = 0; k < EDML_PAIRS; k++) edm[k] = n == 0 ? 8 << 24 : INT32_MAX;
-        edml_net_fconv_q24(distance, edm, &q7, &work_q24);
+        edml_predict_q(distance, edm, &q7, &work_q24, sizeof work_q24);
         for (int k = 0; k < EDML_PAIRS; k++)
             TEST_ASSERT_TRUE(distance[k] >= 0 && distance[k] <= 3 << 24);
     }
@@ -123,13 +123,13 @@ static void distances_end_at_zero_and_three_metres(void)
     float floats[EDML_PAIRS];
     load(floats, edm, 0);
     tiny_bias[4][0] = 100 << 21;
-    edml_net_fconv_q24(distance, edm, &q7, &work_q24);
+    edml_predict_q(distance, edm, &q7, &work_q24, sizeof work_q24);
     for (int k = 0; k < EDML_PAIRS; k++) TEST_ASSERT_EQUAL_INT32(3 << 24, distance[k]);
     tiny_bias[4][0] = -(100 << 21);
-    edml_net_fconv_q24(distance, edm, &q7, &work_q24);
+    edml_predict_q(distance, edm, &q7, &work_q24, sizeof work_q24);
     for (int k = 0; k < EDML_PAIRS; k++) TEST_ASSERT_EQUAL_INT32(0, distance[k]);
     tiny_bias_f32[4][0] = -100;
-    edml_net_fconv_f32(floats, floats, &f32, &work);
+    edml_predict(floats, floats, &f32, &work, sizeof work);
     for (int k = 0; k < EDML_PAIRS; k++) TEST_ASSERT_TRUE(floats[k] == 0);
     make_models();
 }
@@ -142,25 +142,25 @@ static void a_lift_is_its_stages(void)
     edml_point x[EDML_JOINTS];
     for (uint32_t n = 0; n < 10; n++) {
         someone(n);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_fconv(&pose, in, &f32, &work));
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_f32(edm, in, 10, 3, f32.completion));
-        edml_net_fconv_f32(distance, edm, &f32, &work);
-        edml_mds_f32(x, distance, &work.lift);
-        TEST_ASSERT_TRUE(edml_mirror_f32(x, &f32) == pose.mirror_margin);
-        edml_orient_f32(x, in, pose.seen);
-        edml_blend_f32(x, in, pose.seen, &f32);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&pose, in, &f32, &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm(edm, in, 10, 3, f32.imputation));
+        edml_predict(distance, edm, &f32, &work, sizeof work);
+        edml_mds(x, distance, &work.lift);
+        TEST_ASSERT_TRUE(edml_mirror(x, &f32) == pose.mirror_margin);
+        edml_orient(x, in, pose.seen);
+        edml_fuse(x, in, pose.seen, &f32);
         TEST_ASSERT_EQUAL_MEMORY(x, pose.joint, sizeof x);
     }
 }
 
 static void both_lifts_give_the_same_pose(void)
 {
-    edml_pose_q16 whole;
+    edml_pose_q whole;
     float worst = 0;
     for (uint32_t n = 0; n < 10; n++) {
         someone(n);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_fconv(&pose, in, &q7, &work));
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_fconv_q24(&whole, in_q16, &q7, &work_q24));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&pose, in, &q7, &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&whole, in_q16, &q7, &work_q24, sizeof work_q24));
         for (int j = 0; j < EDML_JOINTS; j++) {
             again.joint[j].x = (float)whole.joint[j].x / 65536.0F;
             again.joint[j].y = (float)whole.joint[j].y / 65536.0F;
@@ -179,14 +179,14 @@ static void bad_input_gets_its_status(void)
     memset(&pose, 0x55, sizeof pose);
     again = pose;
     in[3].x = NAN;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_lift_fconv(&pose, in, &f32, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_lift(&pose, in, &f32, &work, sizeof work));
     for (int j = 0; j < 5; j++) in[j].c = 0;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_TOO_FEW_JOINTS, edml_lift_fconv(&pose, in, &f32, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_TOO_FEW_JOINTS, edml_lift(&pose, in, &f32, &work, sizeof work));
     someone(1);
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_fconv(NULL, in, &f32, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_fconv(&pose, NULL, &f32, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_fconv(&pose, in, NULL, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_fconv(&pose, in, &f32, NULL));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(NULL, in, &f32, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, NULL, &f32, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, in, NULL, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, in, &f32, NULL));
     TEST_ASSERT_SAME_BYTES(again, pose);
 }
 
@@ -195,24 +195,24 @@ static void bad_input_gets_its_status(void)
 static void each_lift_refuses_the_others_models(void)
 {
     static edml_work plain;
-    static edml_work_q24 plain_q24;
+    static edml_work_q plain_q24;
     static edml_track track, track_before;
-    edml_pose_q16 whole;
+    edml_pose_q whole;
     someone(2);
     memset(&pose, 0x55, sizeof pose);
     again = pose;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift(&pose, in, &f32, &plain));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift(&pose, in, &q7, &plain));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q24(&whole, in_q16, &f32, &plain_q24));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q24(&whole, in_q16, &q7, &plain_q24));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_fconv(&pose, in, &edml_fconn_f32, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_fconv(&pose, in, &edml_fconn_q7, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_fconv_q24(&whole, in_q16, &f32, &work_q24));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift(&pose, in, &f32, &plain, sizeof plain));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift(&pose, in, &q7, &plain, sizeof plain));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q(&whole, in_q16, &f32, &plain_q24, sizeof plain_q24));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q(&whole, in_q16, &q7, &plain_q24, sizeof plain_q24));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift(&pose, in, &edml_fconn_f32, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift(&pose, in, &edml_fconn_w8, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q(&whole, in_q16, &f32, &work_q24, sizeof work_q24));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL,
-                          edml_lift_fconv_q24(&whole, in_q16, &edml_fconn_q7, &work_q24));
+                          edml_lift_q(&whole, in_q16, &edml_fconn_w8, &work_q24, sizeof work_q24));
     edml_track_start(&track);
     track_before = track;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_track_lift(&pose, &track, in, 1, &f32, &plain));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_track_lift(&pose, &track, in, 1, &f32, &plain, sizeof plain));
     TEST_ASSERT_SAME_BYTES(track_before, track);
     TEST_ASSERT_SAME_BYTES(again, pose);
 }
@@ -226,16 +226,16 @@ static void the_stage_of_the_other_network_gives_nan(void)
 {
     static edml_work plain;
     float edm[EDML_PAIRS] = {0}, distance[EDML_PAIRS] = {0};
-    edml_net_f32(distance, edm, &f32, &plain);
+    edml_predict(distance, edm, &f32, &plain, sizeof plain);
     check_all_nan(distance);
     memset(distance, 0, sizeof distance);
-    edml_net_f32(distance, edm, &q7, &plain);
+    edml_predict(distance, edm, &q7, &plain, sizeof plain);
     check_all_nan(distance);
     memset(distance, 0, sizeof distance);
-    edml_net_fconv_f32(distance, edm, &edml_fconn_f32, &work);
+    edml_predict(distance, edm, &edml_fconn_f32, &work, sizeof work);
     check_all_nan(distance);
     memset(distance, 0, sizeof distance);
-    edml_net_fconv_f32(distance, edm, &edml_fconn_q15, &work);
+    edml_predict(distance, edm, &edml_fconn_w16, &work, sizeof work);
     check_all_nan(distance);
 }
 

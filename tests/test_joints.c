@@ -15,8 +15,8 @@ static void each_joint_has_its_own_name(void)
 
 static void names_follow_the_order_of_the_enumeration(void)
 {
-    TEST_ASSERT_EQUAL_STRING("head_top", edml_joint_name(EDML_HEAD_TOP));
-    TEST_ASSERT_EQUAL_STRING("neck", edml_joint_name(EDML_NECK));
+    TEST_ASSERT_EQUAL_STRING("head_top", edml_joint_name(EDML_HEAD));
+    TEST_ASSERT_EQUAL_STRING("neck", edml_joint_name(EDML_NECK_BASE));
     TEST_ASSERT_EQUAL_STRING("right_shoulder", edml_joint_name(EDML_R_SHOULDER));
     TEST_ASSERT_EQUAL_STRING("right_wrist", edml_joint_name(EDML_R_WRIST));
     TEST_ASSERT_EQUAL_STRING("left_elbow", edml_joint_name(EDML_L_ELBOW));
@@ -57,7 +57,7 @@ static void mirroring_swaps_right_and_left_in_the_name(void)
 static void bones_form_a_tree_from_the_neck(void)
 {
     int reached[EDML_JOINTS] = {0};
-    reached[EDML_NECK] = 1;
+    reached[EDML_NECK_BASE] = 1;
     for (int n = 0; n < EDML_BONES; n++) {
         TEST_ASSERT_TRUE(reached[edml_bones[n].from]);
         TEST_ASSERT_FALSE(reached[edml_bones[n].to]);
@@ -84,7 +84,7 @@ static void every_status_has_its_name(void)
     TEST_ASSERT_EQUAL_STRING("not_finite", edml_status_name(EDML_ERR_NOT_FINITE));
     TEST_ASSERT_EQUAL_STRING("too_few_joints", edml_status_name(EDML_ERR_TOO_FEW_JOINTS));
     TEST_ASSERT_EQUAL_STRING("degenerate", edml_status_name(EDML_ERR_DEGENERATE));
-    TEST_ASSERT_EQUAL_STRING("unusual", edml_status_name(EDML_ERR_UNUSUAL));
+    TEST_ASSERT_EQUAL_STRING("unusual", edml_status_name(EDML_ERR_ASPECT));
     TEST_ASSERT_EQUAL_STRING("model", edml_status_name(EDML_ERR_MODEL));
     TEST_ASSERT_EQUAL_STRING("camera", edml_status_name(EDML_ERR_CAMERA));
 }

@@ -26,7 +26,7 @@ static void someone(uint32_t seed)
     }
 }
 
-static edml_status run(edml_pose *out) { return edml_lift(out, in, &edml_fconn_f32, &work); }
+static edml_status run(edml_pose *out) { return edml_lift(out, in, &edml_fconn_f32, &work, sizeof work); }
 
 static void map(float ax, float bx, float ay, float by)
 {
@@ -48,7 +48,7 @@ static void check_same_numbers(void)
 /* ---- With a network that knows the answer -------------------------------------------------------- */
 
 static void know(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,
-                 float layer[2][EDML_LAYER_WIDEST])
+                 float layer[2][EDML_MAX_UNITS])
 {
     (void)edm;
     (void)layer;
@@ -62,7 +62,7 @@ static edml_model all_knowing(const float truth[EDML_PAIRS], edml_objective obje
     model.layers = truth;
     model.objective = (uint8_t)objective;
     model.refine_steps = (uint8_t)steps;
-    model.blend[0].f32 = 0; /* it needs no image */
+    model.fusion[0].f32 = 0; /* it needs no image */
     return model;
 }
 
@@ -79,9 +79,9 @@ static void true_distances_give_the_true_pose(void)
         photograph(in, turned);
         const edml_objective objective = (edml_objective)(n % 4);
         const edml_model model = all_knowing(truth, objective, 5);
-        const edml_status status = edml_lift(&pose, in, &model, &work);
+        const edml_status status = edml_lift(&pose, in, &model, &work, sizeof work);
         if (status != EDML_OK) { /* lying: wide for its height */
-            TEST_ASSERT_EQUAL_INT(EDML_ERR_UNUSUAL, status);
+            TEST_ASSERT_EQUAL_INT(EDML_ERR_ASPECT, status);
             continue;
         }
         TEST_ASSERT_ERROR_UP_TO(MDS_TOLERANCE, worst_distance_error(pose.joint, truth));
@@ -109,7 +109,7 @@ static void narrow_images_keep_the_shape(void)
         const float slope = uniform(&r, -1, 1), width = ldexpf(1, -(n % 8));
         for (int j = 0; j < EDML_JOINTS; j++) in[j].x = slope * in[j].y + width * in[j].x;
         const edml_model model = all_knowing(truth, EDML_STRESS_NONE, 0);
-        if (edml_lift(&pose, in, &model, &work) != EDML_OK) continue;
+        if (edml_lift(&pose, in, &model, &work, sizeof work) != EDML_OK) continue;
         lifted++;
         TEST_ASSERT_ERROR_UP_TO(MDS_TOLERANCE, worst_distance_error(pose.joint, truth));
     }
@@ -125,7 +125,7 @@ static void residual_is_the_rms_difference_from_the_networks_distances(void)
     noisy_distances(&r, wanted, person, 0.1F);
     photograph(in, person);
     const edml_model model = all_knowing(wanted, EDML_STRESS_RAW, 3);
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&pose, in, &model, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&pose, in, &model, &work, sizeof work));
     pair_distances(found, pose.joint);
     double sum = 0;
     for (int n = 0; n < EDML_PAIRS; n++) {
@@ -145,7 +145,7 @@ static void a_pose_that_cannot_be_turned_to_the_camera_is_refused(void)
         someone(0);
         memset(&pose, 0xA5, sizeof pose);
         memcpy(&again, &pose, sizeof again);
-        TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_lift(&pose, in, &model, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_lift(&pose, in, &model, &work, sizeof work));
         TEST_ASSERT_SAME_BYTES(again, pose);
         for (int j = 0; j < EDML_JOINTS; j++) {
             const edml_point at = {0.1F * (float)j, 0, 0};
@@ -176,16 +176,16 @@ static void a_lift_is_its_stages(void)
     someone(3);
     in[EDML_R_KNEE].c = 0;
     TEST_ASSERT_EQUAL_INT(EDML_OK, run(&pose));
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_f32(edm, in, 4, 100, edml_fconn_f32.completion));
-    edml_net_f32(distance, edm, &edml_fconn_f32, &work);
-    edml_mds_f32(x, distance, &work);
-    edml_refine_f32(x, distance, (edml_objective)edml_fconn_f32.objective,
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm(edm, in, 4, 100, edml_fconn_f32.imputation));
+    edml_predict(distance, edm, &edml_fconn_f32, &work, sizeof work);
+    edml_mds(x, distance, &work);
+    edml_refine(x, distance, (edml_objective)edml_fconn_f32.objective,
                     edml_fconn_f32.refine_steps, &work);
-    again.residual = sqrtf(edml_stress_f32(x, distance, EDML_STRESS_RAW));
-    again.mirror_margin = edml_mirror_f32(x, &edml_fconn_f32);
+    again.residual = sqrtf(edml_stress(x, distance, EDML_STRESS_RAW));
+    again.mirror_margin = edml_mirror(x, &edml_fconn_f32);
     again.seen = ALL_SEEN & ~(1 << EDML_R_KNEE);
-    edml_orient_f32(x, in, again.seen);
-    edml_blend_f32(x, in, again.seen, &edml_fconn_f32);
+    edml_orient(x, in, again.seen);
+    edml_fuse(x, in, again.seen, &edml_fconn_f32);
     memcpy(again.joint, x, sizeof x);
     check_same_numbers();
 }
@@ -248,12 +248,12 @@ static void turning_the_image_by_180_degrees_turns_the_pose(void)
 static void mirroring_the_image_turns_the_pose_about_the_vertical(void)
 {
     edml_model model = edml_fconn_f32;
-    model.blend[2].f32 = 0; /* 1 / distance */
+    model.fusion[2].f32 = 0; /* 1 / distance */
     for (uint32_t seed = 0; seed < 20; seed++) {
         someone(seed);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&pose, in, &model, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&pose, in, &model, &work, sizeof work));
         map(-1, 0, 1, 0);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &model, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &model, &work, sizeof work));
         for (int j = 0; j < EDML_JOINTS; j++) {
             pose.joint[j].x = -pose.joint[j].x;
             pose.joint[j].z = -pose.joint[j].z;
@@ -313,12 +313,12 @@ static void what_work_memory_held_does_not_matter(void)
 
 /* Another lift between two stages of one: what an interrupt or a second thread would do. */
 static void interrupt(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
-                      const edml_model *model, float layer[2][EDML_LAYER_WIDEST])
+                      const edml_model *model, float layer[2][EDML_MAX_UNITS])
 {
     edml_pose other;
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&other, whole, &edml_fconn_f32, &other_work));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&other, whole, &edml_fconn_f32, &other_work, sizeof other_work));
     edml_fconn_f32.predict_f32(distance, edm, model, layer);
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&other, whole, &edml_fconn_f32, &other_work));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&other, whole, &edml_fconn_f32, &other_work, sizeof other_work));
 }
 
 static void a_lift_inside_a_lift_changes_no_bit(void)
@@ -329,7 +329,7 @@ static void a_lift_inside_a_lift_changes_no_bit(void)
     memcpy(whole, in, sizeof whole);
     someone(7);
     TEST_ASSERT_EQUAL_INT(EDML_OK, run(&pose));
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &interrupted, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &interrupted, &work, sizeof work));
     check_same_numbers();
 }
 
@@ -356,9 +356,9 @@ static void null_is_refused(void)
     someone(0);
     memset(&pose, 0xA5, sizeof pose);
     memcpy(&again, &pose, sizeof again);
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(NULL, in, &edml_fconn_f32, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, NULL, &edml_fconn_f32, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, in, NULL, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(NULL, in, &edml_fconn_f32, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, NULL, &edml_fconn_f32, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, in, NULL, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, in, &edml_fconn_f32, NULL));
     TEST_ASSERT_SAME_BYTES(again, pose);
 }
@@ -405,7 +405,7 @@ static void a_person_far_wider_than_high_is_refused(void)
 {
     someone(0);
     map(100, 0, 1, 0);
-    check_refused(EDML_ERR_UNUSUAL);
+    check_refused(EDML_ERR_ASPECT);
 }
 
 /* ... gives the same pose or one as good, or a refusal, and never a number that is not finite. */
@@ -418,7 +418,7 @@ static void check_extreme(float scale)
     const edml_pose untouched = pose;
     const edml_status status = run(&pose);
     if (status != EDML_OK) {
-        TEST_ASSERT_TRUE(status == EDML_ERR_DEGENERATE || status == EDML_ERR_UNUSUAL);
+        TEST_ASSERT_TRUE(status == EDML_ERR_DEGENERATE || status == EDML_ERR_ASPECT);
         TEST_ASSERT_SAME_BYTES(untouched, pose);
     } else {
         TEST_ASSERT_ERROR_UP_TO(LIFT_SCALED_TOLERANCE, worst_joint_error(pose.joint, again.joint));

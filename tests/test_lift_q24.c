@@ -10,9 +10,9 @@
 
 enum { PIXEL = 1 << 16, LIMIT = 1 << 29 };
 
-static edml_work_q24 work, other_work;
-static edml_pose_q16 pose, again;
-static edml_keypoint_q16 in[EDML_JOINTS], whole[EDML_JOINTS];
+static edml_work_q work, other_work;
+static edml_pose_q pose, again;
+static edml_keypoint_q in[EDML_JOINTS], whole[EDML_JOINTS];
 
 /* A person of about 340 pixels, mid-hip near (500, 400), on whole pixels. */
 static void someone(uint32_t seed)
@@ -30,9 +30,9 @@ static void someone(uint32_t seed)
     to_q16(in, image);
 }
 
-static edml_status run(edml_pose_q16 *out)
+static edml_status run(edml_pose_q *out)
 {
-    return edml_lift_q24(out, in, &edml_fconn_q15, &work);
+    return edml_lift_q(out, in, &edml_fconn_w16, &work, sizeof work);
 }
 
 static void check_same_numbers(void)
@@ -61,8 +61,8 @@ static void it_is_the_float_lift_to_a_millimetre(void)
             image[j].y = (float)in[j].y / PIXEL;
             image[j].c = in[j].c;
         }
-        const edml_status status = edml_lift(&expected, image, &edml_fconn_q15, &floats);
-        TEST_ASSERT_EQUAL_INT(status, q24_lift(&found, image, &edml_fconn_q15, &floats));
+        const edml_status status = edml_lift(&expected, image, &edml_fconn_w16, &floats, sizeof floats);
+        TEST_ASSERT_EQUAL_INT(status, q24_lift(&found, image, &edml_fconn_w16, &floats));
         if (status != EDML_OK || expected.mirror_margin < 0.01F) continue; /* rounding may decide */
         worst = worse(worst, worst_joint_error(expected.joint, found.joint));
         worst_margin = worse(worst_margin, fabsf(expected.mirror_margin - found.mirror_margin));
@@ -80,12 +80,12 @@ static void a_lift_is_its_stages(void)
     for (uint32_t n = 1; n <= 50; n++) {
         someone(n);
         if (run(&pose) != EDML_OK) continue;
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_q24(edm, in, 10, 3 << 24, &edml_usual_completion));
-        edml_net_q24(distance, edm, &edml_fconn_q15, &other_work);
-        edml_mds_q24(x, distance, &other_work);
-        const int32_t margin = edml_mirror_q24(x, &edml_fconn_q15);
-        edml_orient_q24(x, in, ALL_SEEN);
-        edml_blend_q24(x, in, ALL_SEEN, &edml_fconn_q15);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_q(edm, in, 10, 3 << 24, &edml_default_imputation));
+        edml_predict_q(distance, edm, &edml_fconn_w16, &other_work, sizeof other_work);
+        edml_mds_q(x, distance, &other_work);
+        const int32_t margin = edml_mirror_q(x, &edml_fconn_w16);
+        edml_orient_q(x, in, ALL_SEEN);
+        edml_fuse_q(x, in, ALL_SEEN, &edml_fconn_w16);
         TEST_ASSERT_EQUAL_INT32((margin + 128) >> 8, pose.mirror_margin);
         for (int j = 0; j < EDML_JOINTS; j++) {
             TEST_ASSERT_EQUAL_INT32((x[j].x + 128) >> 8, pose.joint[j].x);
@@ -170,23 +170,23 @@ static void what_work_memory_held_does_not_matter(void)
 
 /* Another lift between two stages of one: what an interrupt or a second thread would do. */
 static void interrupt(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
-                      const edml_model *model, int32_t layer[2][EDML_LAYER_WIDEST])
+                      const edml_model *model, int32_t layer[2][EDML_MAX_UNITS])
 {
-    edml_pose_q16 other;
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q24(&other, whole, &edml_fconn_q15, &other_work));
-    edml_fconn_q15.predict_q24(distance, edm, model, layer);
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q24(&other, whole, &edml_fconn_q15, &other_work));
+    edml_pose_q other;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&other, whole, &edml_fconn_w16, &other_work, sizeof other_work));
+    edml_fconn_w16.predict_q(distance, edm, model, layer);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&other, whole, &edml_fconn_w16, &other_work, sizeof other_work));
 }
 
 static void a_lift_inside_a_lift_changes_no_bit(void)
 {
-    edml_model interrupted = edml_fconn_q15;
-    interrupted.predict_q24 = interrupt;
+    edml_model interrupted = edml_fconn_w16;
+    interrupted.predict_q = interrupt;
     someone(8);
     memcpy(whole, in, sizeof whole);
     someone(9);
     TEST_ASSERT_EQUAL_INT(EDML_OK, run(&pose));
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q24(&again, in, &interrupted, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&again, in, &interrupted, &work, sizeof work));
     check_same_numbers();
 }
 
@@ -203,16 +203,16 @@ static void check_refused(edml_status expected)
 static void null_is_refused(void)
 {
     someone(10);
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_q24(NULL, in, &edml_fconn_q15, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_q24(&pose, NULL, &edml_fconn_q15, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_q24(&pose, in, NULL, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_q24(&pose, in, &edml_fconn_q15, NULL));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_q(NULL, in, &edml_fconn_w16, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_q(&pose, NULL, &edml_fconn_w16, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_q(&pose, in, NULL, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_q(&pose, in, &edml_fconn_w16, NULL));
 }
 
 static void a_float_network_is_refused(void)
 {
     someone(11);
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q24(&pose, in, &edml_fconn_f32, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q(&pose, in, &edml_fconn_f32, &work, sizeof work));
 }
 
 /* What a saturating conversion makes of infinity; the last coordinates inside are fine. */
@@ -289,14 +289,14 @@ static void people_of_less_than_an_eighth_of_a_pixel_are_refused(void)
 static void a_completion_that_goes_round_in_a_circle_is_refused(void)
 {
     int32_t edm[EDML_PAIRS];
-    edml_completion circle = edml_usual_completion;
+    edml_imputation circle = edml_default_imputation;
     memset(circle.weight[EDML_R_ELBOW], 0, sizeof circle.weight[0]);
     memset(circle.weight[EDML_R_WRIST], 0, sizeof circle.weight[0]);
-    circle.weight[EDML_R_ELBOW][EDML_R_WRIST] = EDML_COMPLETION_ONE;
-    circle.weight[EDML_R_WRIST][EDML_R_ELBOW] = EDML_COMPLETION_ONE;
+    circle.weight[EDML_R_ELBOW][EDML_R_WRIST] = EDML_IMPUTATION_ONE;
+    circle.weight[EDML_R_WRIST][EDML_R_ELBOW] = EDML_IMPUTATION_ONE;
     someone(16);
     in[EDML_R_ELBOW].c = in[EDML_R_WRIST].c = 0;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_edm_q24(edm, in, 10, 3 << 24, &circle));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_edm_q(edm, in, 10, 3 << 24, &circle));
 }
 
 static void images_without_a_shape_are_refused(void)
@@ -321,7 +321,7 @@ static void a_person_far_wider_than_high_is_refused(void)
 {
     someone(17);
     for (int j = 0; j < EDML_JOINTS; j++) in[j].x = 20 * (in[j].x - 500 * PIXEL);
-    check_refused(EDML_ERR_UNUSUAL);
+    check_refused(EDML_ERR_ASPECT);
 }
 
 int main(void)

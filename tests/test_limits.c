@@ -24,7 +24,7 @@ static int beyond(const edml_point joint[EDML_JOINTS])
 {
     edml_pose of;
     pose_of(&of, joint);
-    return edml_limits(&of);
+    return edml_joint_limits(&of);
 }
 
 /* Onto a grid of 2^-10 m, which every format holds exactly. */
@@ -69,7 +69,7 @@ static void a_joint_bent_the_wrong_way_is_found(void)
     check_one_beyond(EDML_L_ANKLE, 0, -0.15F, -0.45F);
     check_one_beyond(EDML_R_WRIST, -0.05F, 0, 0.50F); /* elbows backward */
     check_one_beyond(EDML_L_WRIST, 0.05F, 0, 0.50F);
-    check_one_beyond(EDML_HEAD_TOP, 0, 0.25F, 0.30F); /* the head on the back */
+    check_one_beyond(EDML_HEAD, 0, 0.25F, 0.30F); /* the head on the back */
     memcpy(x, person, sizeof x);
     move(EDML_R_KNEE, EDML_R_ANKLE, 0, -0.6F, 0.6F); /* a leg backward and up */
     TEST_ASSERT_TRUE(beyond(x) >= 1);
@@ -143,7 +143,7 @@ static void a_person_is_left_alone_with_a_margin(void)
     pose_of(&pose, person);
     before = pose;
     reflect(x, person);
-    TEST_ASSERT_EQUAL_INT(beyond(x), edml_mirror_by_limits(&pose));
+    TEST_ASSERT_EQUAL_INT(beyond(x), edml_reflect_by_joint_limits(&pose));
     TEST_ASSERT_SAME_BYTES(before, pose);
 }
 
@@ -153,7 +153,7 @@ static void the_mirror_image_comes_back_as_the_person(void)
     round_points(person);
     reflect(x, person);
     pose_of(&pose, x);
-    TEST_ASSERT_EQUAL_INT(beyond(x), edml_mirror_by_limits(&pose));
+    TEST_ASSERT_EQUAL_INT(beyond(x), edml_reflect_by_joint_limits(&pose));
     TEST_ASSERT_ERROR_UP_TO(0, worst_joint_error(person, pose.joint));
     TEST_ASSERT_TRUE(pose.mirror_margin == 0 && pose.residual == 0.25F && pose.seen == ALL_SEEN);
 }
@@ -166,9 +166,9 @@ static void any_mirror_image_comes_back_as_the_person_turned(void)
         reflect(x, person);
         rotate(x, random_rotation(&r), x);
         pose_of(&pose, x);
-        TEST_ASSERT_TRUE(edml_mirror_by_limits(&pose) >= 3);
+        TEST_ASSERT_TRUE(edml_reflect_by_joint_limits(&pose) >= 3);
         TEST_ASSERT_TRUE(same_handedness(pose.joint, person));
-        TEST_ASSERT_EQUAL_INT(0, edml_limits(&pose));
+        TEST_ASSERT_EQUAL_INT(0, edml_joint_limits(&pose));
     }
 }
 
@@ -184,12 +184,12 @@ static void the_choice_is_never_the_worse_one_and_a_second_run_agrees(void)
         round_points(x);
         pose_of(&pose, x);
         before = pose;
-        const int given = edml_limits(&pose), fewer = edml_mirror_by_limits(&pose);
+        const int given = edml_joint_limits(&pose), fewer = edml_reflect_by_joint_limits(&pose);
         const int turned = memcmp(&pose, &before, sizeof pose) != 0;
         TEST_ASSERT_TRUE(fewer >= 0 && fewer <= ALL_BONES && (fewer > 0 || !turned));
-        TEST_ASSERT_EQUAL_INT(turned ? given - fewer : given, edml_limits(&pose));
+        TEST_ASSERT_EQUAL_INT(turned ? given - fewer : given, edml_joint_limits(&pose));
         before = pose;
-        TEST_ASSERT_EQUAL_INT(fewer, edml_mirror_by_limits(&pose));
+        TEST_ASSERT_EQUAL_INT(fewer, edml_reflect_by_joint_limits(&pose));
         TEST_ASSERT_SAME_BYTES(before, pose);
         undecided += fewer == 0;
     }
@@ -201,8 +201,8 @@ static void the_choice_is_never_the_worse_one_and_a_second_run_agrees(void)
 static void check_no_pose(void)
 {
     before = pose;
-    TEST_ASSERT_EQUAL_INT(ALL_BONES, edml_limits(&pose));
-    TEST_ASSERT_EQUAL_INT(0, edml_mirror_by_limits(&pose));
+    TEST_ASSERT_EQUAL_INT(ALL_BONES, edml_joint_limits(&pose));
+    TEST_ASSERT_EQUAL_INT(0, edml_reflect_by_joint_limits(&pose));
     TEST_ASSERT_SAME_BYTES(before, pose);
 }
 
@@ -215,8 +215,8 @@ static void what_is_no_pose_is_beyond_all_limits_and_stays(void)
         (&pose.joint[0].x)[n / 6] = bad[n % 6];
         check_no_pose();
     }
-    TEST_ASSERT_EQUAL_INT(ALL_BONES, edml_limits(NULL));
-    TEST_ASSERT_EQUAL_INT(0, edml_mirror_by_limits(NULL));
+    TEST_ASSERT_EQUAL_INT(ALL_BONES, edml_joint_limits(NULL));
+    TEST_ASSERT_EQUAL_INT(0, edml_reflect_by_joint_limits(NULL));
 }
 
 #ifndef EDML_TEST_Q24
@@ -225,7 +225,7 @@ static void fixed_point_counts_the_same(void)
     rng r = rng_seed(155);
     int other = 0;
     for (int n = 0; n < 4 * PEOPLE; n++) {
-        edml_pose_q16 given;
+        edml_pose_q given;
         if (n % 2)
             random_points(&r, x, 1);
         else
@@ -233,8 +233,8 @@ static void fixed_point_counts_the_same(void)
         round_points(x);
         pose_of(&pose, x);
         pose_to_q16(&given, &pose);
-        other += edml_limits(&pose) != edml_limits_q24(&given);
-        other += edml_mirror_by_limits(&pose) != edml_mirror_by_limits_q24(&given);
+        other += edml_joint_limits(&pose) != edml_joint_limits_q(&given);
+        other += edml_reflect_by_joint_limits(&pose) != edml_reflect_by_joint_limits_q(&given);
     }
     printf("limits: %d of %d counts are others in fixed point\n", other, 8 * PEOPLE);
     TEST_ASSERT_TRUE(other <= LIMITS_FIXED);

@@ -13,7 +13,7 @@ static float distance[EDML_PAIRS], found[EDML_PAIRS];
 static void check_recovers(const edml_point points[EDML_JOINTS])
 {
     pair_distances(distance, points);
-    edml_mds_f32(x, distance, &work);
+    edml_mds(x, distance, &work);
     TEST_ASSERT_ERROR_UP_TO(MDS_TOLERANCE, worst_distance_error(x, distance));
 }
 
@@ -69,7 +69,7 @@ static void points_on_a_line_come_back_straight(void)
 static void no_distance_gives_points_at_the_origin(void)
 {
     memset(distance, 0, sizeof distance);
-    edml_mds_f32(x, distance, &work);
+    edml_mds(x, distance, &work);
     for (int j = 0; j < EDML_JOINTS; j++)
         TEST_ASSERT_TRUE(x[j].x == 0 && x[j].y == 0 && x[j].z == 0);
 }
@@ -78,7 +78,7 @@ static void no_distance_gives_points_at_the_origin(void)
 static void the_largest_distances_give_finite_points(void)
 {
     for (int n = 0; n < EDML_PAIRS; n++) distance[n] = 4;
-    edml_mds_f32(x, distance, &work);
+    edml_mds(x, distance, &work);
     TEST_ASSERT_TRUE(all_finite(x, 3 * EDML_JOINTS));
     TEST_ASSERT_ERROR_UP_TO(4, worst_distance_error(x, distance));
 }
@@ -95,7 +95,7 @@ static void tiny_people_come_back(void)
             y[j].z = ldexpf(y[j].z, power);
         }
         pair_distances(distance, y);
-        edml_mds_f32(x, distance, &work);
+        edml_mds(x, distance, &work);
         TEST_ASSERT_ERROR_UP_TO(ldexpf(MDS_TOLERANCE, power), worst_distance_error(x, distance));
     }
 }
@@ -136,7 +136,7 @@ static void turning_moving_and_mirroring_the_person_changes_rounding_only(void)
         if (n % 2) reflect(turned, turned);
         for (int j = 0; j < EDML_JOINTS; j++) turned[j].z += 5;
         pair_distances(found, turned);
-        edml_mds_f32(x, found, &work);
+        edml_mds(x, found, &work);
         TEST_ASSERT_ERROR_UP_TO(MDS_TOLERANCE, worst_distance_error(x, distance));
     }
 }
@@ -147,9 +147,9 @@ static void what_work_memory_held_does_not_matter(void)
     random_human(&r, y);
     noisy_distances(&r, distance, y, 0.05F);
     memset(&work, 0, sizeof work);
-    edml_mds_f32(x, distance, &work);
+    edml_mds(x, distance, &work);
     memset(&work, 0xFF, sizeof work);
-    edml_mds_f32(y, distance, &work);
+    edml_mds(y, distance, &work);
     TEST_ASSERT_SAME_BYTES(x, y);
 }
 
@@ -158,7 +158,7 @@ static void what_work_memory_held_does_not_matter(void)
 /* The same points by all eigenpairs of the whole, doubly centred matrix. */
 static void full_mds(edml_point out[EDML_JOINTS], const float d[EDML_PAIRS])
 {
-    static edml_eigen_f32 e;
+    static edml_eigen e;
     double a[EDML_JOINTS][EDML_JOINTS] = {{0}}, mean[EDML_JOINTS] = {0}, all = 0;
     for (int i = 0; i < EDML_JOINTS; i++) {
         for (int j = 0; j < EDML_JOINTS; j++) {
@@ -168,11 +168,11 @@ static void full_mds(edml_point out[EDML_JOINTS], const float d[EDML_PAIRS])
             all += a[i][j] / (EDML_JOINTS * EDML_JOINTS);
         }
     }
-    edml_matrix_f32 gram;
+    edml_matrix gram;
     for (int i = 0; i < EDML_JOINTS; i++)
         for (int j = 0; j < EDML_JOINTS; j++)
             gram.at[i][j] = (float)(a[i][j] - mean[i] - mean[j] + all);
-    edml_jacobi_f32(&e, &gram);
+    edml_jacobi(&e, &gram);
     for (int j = 0; j < EDML_JOINTS; j++) {
         out[j].x = e.value[0] > 0 ? sqrtf(e.value[0]) * e.vector[0][j] : 0;
         out[j].y = e.value[1] > 0 ? sqrtf(e.value[1]) * e.vector[1][j] : 0;
@@ -192,7 +192,7 @@ static float early_stop_error(float noise)
         noisy_distances(&r, distance, y, noise);
         full_mds(y, distance);
         pair_distances(found, y);
-        edml_mds_f32(x, distance, &work);
+        edml_mds(x, distance, &work);
         const float error = worst_distance_error(x, found);
         sum += (double)error / PEOPLE;
         worst = worse(worst, error);
@@ -216,7 +216,7 @@ static void random_distances_give_finite_points(void)
     rng r = rng_seed(28);
     for (int n = 0; n < 300; n++) {
         for (int k = 0; k < EDML_PAIRS; k++) distance[k] = uniform(&r, 0, 4);
-        edml_mds_f32(x, distance, &work);
+        edml_mds(x, distance, &work);
         TEST_ASSERT_TRUE(all_finite(x, 3 * EDML_JOINTS));
     }
 }
@@ -226,9 +226,9 @@ static void nan_and_infinity_end_in_finite_time(void)
     human_pose(y);
     pair_distances(distance, y);
     distance[17] = NAN;
-    edml_mds_f32(x, distance, &work);
+    edml_mds(x, distance, &work);
     distance[17] = INFINITY;
-    edml_mds_f32(x, distance, &work);
+    edml_mds(x, distance, &work);
 }
 
 int main(void)

@@ -20,7 +20,7 @@ static void distances_are_finite_and_not_negative(void)
     for (uint32_t seed = 0; seed < 50; seed++) {
         fill_edm(seed);
         if (seed == 0) memset(edm, 0, sizeof edm);
-        edml_net_f32(distance, edm, &edml_fconn_f32, &work);
+        edml_predict(distance, edm, &edml_fconn_f32, &work, sizeof work);
         TEST_ASSERT_TRUE(all_finite(distance, EDML_PAIRS));
         for (int n = 0; n < EDML_PAIRS; n++) TEST_ASSERT_TRUE(distance[n] >= 0);
     }
@@ -30,9 +30,9 @@ static void what_work_memory_held_does_not_matter(void)
 {
     fill_edm(1);
     memset(&work, 0, sizeof work);
-    edml_net_f32(distance, edm, &edml_fconn_f32, &work);
+    edml_predict(distance, edm, &edml_fconn_f32, &work, sizeof work);
     memset(&work, 0xFF, sizeof work); /* NaN */
-    edml_net_f32(again, edm, &edml_fconn_f32, &work);
+    edml_predict(again, edm, &edml_fconn_f32, &work, sizeof work);
     TEST_ASSERT_SAME_BYTES(distance, again);
 }
 
@@ -41,7 +41,7 @@ static void the_input_is_left_alone(void)
     float was[EDML_PAIRS];
     fill_edm(2);
     memcpy(was, edm, sizeof was);
-    edml_net_f32(distance, edm, &edml_fconn_f32, &work);
+    edml_predict(distance, edm, &edml_fconn_f32, &work, sizeof work);
     TEST_ASSERT_SAME_BYTES(was, edm);
 }
 
@@ -68,10 +68,10 @@ static edml_model diagonal_model(float scale, float bias0, int count)
     }
     edml_model model = edml_fconn_f32;
     model.predict_f32 = edml__fconn_f32;
-    model.hash = edml__fconn_hash_f32;
+    model.compute_checksum = edml__fconn_hash_f32;
     model.layers = layers;
     model.layer_count = (uint8_t)count;
-    model.checksum = model.hash(&model);
+    model.checksum = model.compute_checksum(&model);
     return model;
 }
 
@@ -79,7 +79,7 @@ static void a_layer_is_weight_times_input_plus_bias(void)
 {
     for (int n = 0; n < EDML_PAIRS; n++) edm[n] = (float)(n % 7) * 0.25F;
     const edml_model model = diagonal_model(2, 1, 1);
-    edml_net_f32(distance, edm, &model, &work);
+    edml_predict(distance, edm, &model, &work, sizeof work);
     for (int n = 0; n < EDML_PAIRS; n++)
         TEST_ASSERT_TRUE(distance[n] == 2 * edm[n] + (float)n);
 }
@@ -93,7 +93,7 @@ static void a_layer_adds_up_all_inputs(void)
         weight[3 / EDML_ROWS][n][3 % EDML_ROWS] = 0.5F;
         sum += 0.5 * n;
     }
-    edml_net_f32(distance, edm, &model, &work);
+    edml_predict(distance, edm, &model, &work, sizeof work);
     for (int n = 0; n < EDML_PAIRS; n++)
         TEST_ASSERT_TRUE(distance[n] == (n == 3 ? (float)sum : 0.0F));
 }
@@ -102,7 +102,7 @@ static void negative_sums_become_zero(void)
 {
     for (int n = 0; n < EDML_PAIRS; n++) edm[n] = 40;
     const edml_model model = diagonal_model(1, -1, 1);
-    edml_net_f32(distance, edm, &model, &work);
+    edml_predict(distance, edm, &model, &work, sizeof work);
     for (int n = 0; n < EDML_PAIRS; n++)
         TEST_ASSERT_TRUE(distance[n] == (n < 40 ? (float)(40 - n) : 0.0F));
 }
@@ -111,36 +111,36 @@ static void layers_follow_one_another(void)
 {
     for (int n = 0; n < EDML_PAIRS; n++) edm[n] = (float)n;
     const edml_model model = diagonal_model(2, 1, 2);
-    edml_net_f32(distance, edm, &model, &work);
+    edml_predict(distance, edm, &model, &work, sizeof work);
     for (int n = 0; n < EDML_PAIRS; n++) TEST_ASSERT_TRUE(distance[n] == (float)(4 * n + 3 * n));
 }
 
 /* ---- Whole numbers, against model.h's definition written plainly -------------------------------- */
 
-enum { WIDE = EDML_LAYER_WIDEST, HIGHEST = 127 << 24 };
+enum { WIDE = EDML_MAX_UNITS, HIGHEST = 127 << 24 };
 
-static edml_work_q24 work_q24;
+static edml_work_q work_q24;
 static int32_t edm_q24[EDML_PAIRS], distance_q24[EDML_PAIRS], wanted_q24[EDML_PAIRS];
 
 static int is_twin(const edml_model *model)
 {
-    return model->predict_q24 == edml__twin_q15 || model->predict_q24 == edml__twin_q7;
+    return model->predict_q == edml__twin_q15 || model->predict_q == edml__twin_q7;
 }
 
 static int is_q15(const edml_model *model)
 {
-    return model->predict_q24 == edml__fconn_q15 || model->predict_q24 == edml__twin_q15;
+    return model->predict_q == edml__fconn_q15 || model->predict_q == edml__twin_q15;
 }
 
 /* Layer n of a quantised model; one of 8 bits gets weights of 16 from the caller. */
-static edml_dense_q15 wide_layer(const edml_model *model, int n, int16_t wide[WIDE * WIDE])
+static edml_dense_w16 wide_layer(const edml_model *model, int n, int16_t wide[WIDE * WIDE])
 {
-    if (is_q15(model)) return ((const edml_dense_q15 *)model->layers)[n];
-    const edml_dense_q7 *narrow = &((const edml_dense_q7 *)model->layers)[n];
+    if (is_q15(model)) return ((const edml_dense_w16 *)model->layers)[n];
+    const edml_dense_w8 *narrow = &((const edml_dense_w8 *)model->layers)[n];
     const int count = (narrow->outputs + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS * narrow->inputs;
     for (int k = 0; k < count; k++) wide[k] = narrow->weight[k];
-    const edml_dense_q15 layer = {narrow->inputs, narrow->outputs, wide,        narrow->bias,
-                                  narrow->factor, narrow->shift,   narrow->most};
+    const edml_dense_w16 layer = {narrow->inputs, narrow->outputs, wide,        narrow->bias,
+                                  narrow->multiplier, narrow->shift,   narrow->most};
     return layer;
 }
 
@@ -151,16 +151,16 @@ static int64_t scaled_down(int64_t value, int shift, int64_t most)
     return value >> shift < most ? value >> shift : most;
 }
 
-static int64_t weight_of(const edml_dense_q15 *layer, int row, int input)
+static int64_t weight_of(const edml_dense_w16 *layer, int row, int input)
 {
     return layer->weight[(row / 8 * layer->inputs + input) * 8 + row % 8];
 }
 
-static int64_t activated(int64_t sum, const edml_dense_q15 *layer, int row)
+static int64_t activated(int64_t sum, const edml_dense_w16 *layer, int row)
 {
     const int64_t half = (int64_t)1 << (layer->shift - 1);
     TEST_ASSERT_TRUE(INT32_MIN <= sum && sum <= INT32_MAX);
-    return scaled_down(sum * layer->factor[row] + half, layer->shift, layer->most);
+    return scaled_down(sum * layer->multiplier[row] + half, layer->shift, layer->most);
 }
 
 static int16_t wide_weights[WIDE * WIDE];
@@ -170,7 +170,7 @@ static void expect_fconn(const int32_t edm_in[EDML_PAIRS], const edml_model *mod
     int64_t x[WIDE], y[WIDE];
     for (int k = 0; k < EDML_PAIRS; k++) x[k] = scaled_down((int64_t)edm_in[k] + 2048, 12, 32767);
     for (int n = 0; n < model->layer_count; n++) {
-        const edml_dense_q15 layer = wide_layer(model, n, wide_weights);
+        const edml_dense_w16 layer = wide_layer(model, n, wide_weights);
         for (int row = 0; row < layer.outputs; row++) {
             int64_t sum = layer.bias[row];
             for (int i = 0; i < layer.inputs; i++) {
@@ -229,7 +229,7 @@ static void expect_twin(const int32_t edm_in[EDML_PAIRS], const edml_model *mode
         x[1][k] = softened(edm_in[twin_pair[pair[k]]]);
     }
     for (int n = 0; n < model->layer_count; n++) {
-        const edml_dense_q15 layer = wide_layer(model, n, wide_weights);
+        const edml_dense_w16 layer = wide_layer(model, n, wide_weights);
         for (int row = 0; row < layer.outputs; row++) {
             int64_t even = layer.bias[row], odd = 0;
             for (int i = 0; i < count; i++) {
@@ -280,33 +280,33 @@ static void check_against_definition(const edml_model *model)
         fill_edm_q24(n);
         expect_distances(edm_q24, model);
         memset(&work_q24, n, sizeof work_q24);
-        edml_net_q24(distance_q24, edm_q24, model, &work_q24);
+        edml_predict_q(distance_q24, edm_q24, model, &work_q24, sizeof work_q24);
         TEST_ASSERT_SAME_BYTES(wanted_q24, distance_q24);
-        memcpy(work_q24.use.layer[0], edm_q24, sizeof edm_q24);
-        edml_net_q24(distance_q24, work_q24.use.layer[0], model, &work_q24);
+        memcpy(work_q24.scratch.layer[0], edm_q24, sizeof edm_q24);
+        edml_predict_q(distance_q24, work_q24.scratch.layer[0], model, &work_q24, sizeof work_q24);
         TEST_ASSERT_SAME_BYTES(wanted_q24, distance_q24);
-        edml_net_q24(edm_q24, edm_q24, model, &work_q24);
+        edml_predict_q(edm_q24, edm_q24, model, &work_q24, sizeof work_q24);
         TEST_ASSERT_SAME_BYTES(wanted_q24, edm_q24);
     }
 }
 
 static void quantised_models_are_as_defined(void)
 {
-    check_against_definition(&edml_fconn_q15);
-    check_against_definition(&edml_fconn_q7);
+    check_against_definition(&edml_fconn_w16);
+    check_against_definition(&edml_fconn_w8);
 }
 
 /* Random layers with sums of up to 31 bits: 128 * 255 * 32767 + 2^30 < 2^31. */
 static int16_t weight_q15[2][WIDE * WIDE];
 static int8_t weight_q7[2][WIDE * WIDE];
 static int32_t bias_q24[2][WIDE], factor_q24[2][WIDE];
-static edml_dense_q15 layers_q15[2];
-static edml_dense_q7 layers_q7[2];
+static edml_dense_w16 layers_q15[2];
+static edml_dense_w8 layers_q7[2];
 
 /* Of one kind and one format, each by an example. */
 typedef struct {
     void (*predict)(int32_t *distance, const int32_t *edm, const edml_model *model,
-                    int32_t layer[2][EDML_LAYER_WIDEST]);
+                    int32_t layer[2][EDML_MAX_UNITS]);
     uint32_t (*hash)(const edml_model *model);
     int q15;
     uint16_t units, inputs, outputs; /* of the first layer; of the second */
@@ -335,9 +335,9 @@ static edml_model random_model(uint32_t seed, const kind *of)
             bias_q24[n][k] = (int32_t)uniform(&r, -(1 << 29), 1 << 30);
             factor_q24[n][k] = k == 0 ? 1 : k == 1 ? INT32_MAX : (int32_t)(rng_bits(&r) >> 1 | 1);
         }
-        const edml_dense_q15 q15 = {inputs,        outputs, weight_q15[n], bias_q24[n],
+        const edml_dense_w16 q15 = {inputs,        outputs, weight_q15[n], bias_q24[n],
                                     factor_q24[n], shift,   most};
-        const edml_dense_q7 q7 = {inputs,        outputs, weight_q7[n], bias_q24[n],
+        const edml_dense_w8 q7 = {inputs,        outputs, weight_q7[n], bias_q24[n],
                                   factor_q24[n], shift,   most};
         layers_q15[n] = q15;
         layers_q7[n] = q7;
@@ -349,12 +349,12 @@ static edml_model random_model(uint32_t seed, const kind *of)
             weight_q15[1][at] = 0;
             weight_q7[1][at] = 0;
         }
-    edml_model model = edml_fconn_q15;
-    model.predict_q24 = of->predict;
-    model.hash = of->hash;
+    edml_model model = edml_fconn_w16;
+    model.predict_q = of->predict;
+    model.compute_checksum = of->compute_checksum;
     model.layers = of->q15 ? (const void *)layers_q15 : (const void *)layers_q7;
     model.layer_count = 2;
-    model.checksum = model.hash(&model);
+    model.checksum = model.compute_checksum(&model);
     return model;
 }
 
@@ -374,12 +374,12 @@ static void left_and_right_are_alike(void)
     float turned[EDML_PAIRS];
     fill_twin_pairs();
     for (uint32_t seed = 0; seed < 20; seed++) {
-        const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_q15, &edml_fconn_q7};
+        const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8};
         fill_edm(seed);
         for (int k = 0; k < EDML_PAIRS; k++) turned[k] = edm[twin_pair[k]];
         for (unsigned n = 0; n < sizeof models / sizeof *models; n++) {
-            edml_net_f32(distance, edm, models[n], &work);
-            edml_net_f32(again, turned, models[n], &work);
+            edml_predict(distance, edm, models[n], &work, sizeof work);
+            edml_predict(again, turned, models[n], &work, sizeof work);
             int differ = 0;
             for (int k = 0; k < EDML_PAIRS; k++) {
                 TEST_ASSERT_TRUE(again[k] == distance[twin_pair[k]]);
@@ -399,11 +399,11 @@ static edml_model identity_q15(int32_t offset, int32_t factor, uint8_t shift, in
         bias_q24[0][n] = offset;
         factor_q24[0][n] = factor;
     }
-    const edml_dense_q15 layer = {EDML_PAIRS,    EDML_PAIRS, weight_q15[0], bias_q24[0],
+    const edml_dense_w16 layer = {EDML_PAIRS,    EDML_PAIRS, weight_q15[0], bias_q24[0],
                                   factor_q24[0], shift,      most};
     layers_q15[0] = layer;
-    edml_model model = edml_fconn_q15;
-    model.predict_q24 = edml__fconn_q15;
+    edml_model model = edml_fconn_w16;
+    model.predict_q = edml__fconn_q15;
     model.layers = layers_q15;
     model.layer_count = 1;
     return model;
@@ -412,7 +412,7 @@ static edml_model identity_q15(int32_t offset, int32_t factor, uint8_t shift, in
 static int32_t first_distance(const edml_model *model, int32_t edm_value)
 {
     for (int k = 0; k < EDML_PAIRS; k++) edm_q24[k] = edm_value;
-    edml_net_q24(distance_q24, edm_q24, model, &work_q24);
+    edml_predict_q(distance_q24, edm_q24, model, &work_q24, sizeof work_q24);
     for (int k = 1; k < EDML_PAIRS; k++) TEST_ASSERT_EQUAL_INT32(distance_q24[0], distance_q24[k]);
     return distance_q24[0];
 }
@@ -452,10 +452,10 @@ static float rms_from_float(const edml_model *model)
         edml_keypoint in[EDML_JOINTS];
         random_human(&r, x);
         photograph(in, x);
-        if (edml_edm_f32(edm, in, EDML_JOINTS, 3, NULL) != EDML_OK) continue;
-        edml_net_f32(distance, edm, &edml_fconn_f32, &work);
-        memcpy(work.use.layer[0], edm, sizeof edm);
-        edml_net_f32(again, work.use.layer[0], model, &work); /* as edml_lift() calls it */
+        if (edml_edm(edm, in, EDML_JOINTS, 3, NULL) != EDML_OK) continue;
+        edml_predict(distance, edm, &edml_fconn_f32, &work, sizeof work);
+        memcpy(work.scratch.layer[0], edm, sizeof edm);
+        edml_predict(again, work.scratch.layer[0], model, &work, sizeof work); /* as edml_lift() calls it */
         for (int k = 0; k < EDML_PAIRS; k++, count++)
             sum += ((double)again[k] - distance[k]) * ((double)again[k] - distance[k]);
     }
@@ -465,8 +465,8 @@ static float rms_from_float(const edml_model *model)
 
 static void quantised_models_are_near_the_float_one(void)
 {
-    TEST_ASSERT_ERROR_UP_TO(NET_Q15_TOLERANCE, rms_from_float(&edml_fconn_q15));
-    TEST_ASSERT_ERROR_UP_TO(NET_Q7_TOLERANCE, rms_from_float(&edml_fconn_q7));
+    TEST_ASSERT_ERROR_UP_TO(NET_Q15_TOLERANCE, rms_from_float(&edml_fconn_w16));
+    TEST_ASSERT_ERROR_UP_TO(NET_Q7_TOLERANCE, rms_from_float(&edml_fconn_w8));
 }
 
 /* ---- Models ------------------------------------------------------------------------------------ */
@@ -474,15 +474,15 @@ static void quantised_models_are_near_the_float_one(void)
 static void the_models_have_their_names(void)
 {
     TEST_ASSERT_EQUAL_STRING("fconn_f32", edml_model_name(&edml_fconn_f32));
-    TEST_ASSERT_EQUAL_STRING("fconn_q15", edml_model_name(&edml_fconn_q15));
-    TEST_ASSERT_EQUAL_STRING("fconn_q7", edml_model_name(&edml_fconn_q7));
+    TEST_ASSERT_EQUAL_STRING("fconn_q15", edml_model_name(&edml_fconn_w16));
+    TEST_ASSERT_EQUAL_STRING("fconn_q7", edml_model_name(&edml_fconn_w8));
 }
 
 static void the_models_are_sound(void)
 {
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_f32));
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_q15));
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_q7));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_w16));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_w8));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_model_check(NULL));
 }
 

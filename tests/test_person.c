@@ -10,7 +10,7 @@
 #define ANKLE 0.07F  /* metres above the floor */
 
 static edml_pose pose, before;
-static edml_person owner;
+static edml_body owner;
 static edml_keypoint in[EDML_JOINTS];
 
 /* ---- Poses ------------------------------------------------------------------------------------- */
@@ -63,7 +63,7 @@ static double kept_direction(int bone)
 
 static void check_fit(void)
 {
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_fit_person(&pose, &owner));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_fit_body(&pose, &owner));
     TEST_ASSERT_ERROR_UP_TO(PERSON_TOLERANCE, pose.joint[EDML_R_HIP].x + pose.joint[EDML_L_HIP].x);
     TEST_ASSERT_ERROR_UP_TO(PERSON_TOLERANCE, pose.joint[EDML_R_HIP].y + pose.joint[EDML_L_HIP].y);
     TEST_ASSERT_ERROR_UP_TO(PERSON_TOLERANCE, pose.joint[EDML_R_HIP].z + pose.joint[EDML_L_HIP].z);
@@ -73,7 +73,7 @@ static void check_fit(void)
 static void check_refused(edml_status status)
 {
     const edml_pose given = pose;
-    TEST_ASSERT_EQUAL_INT(status, edml_fit_person(&pose, &owner));
+    TEST_ASSERT_EQUAL_INT(status, edml_fit_body(&pose, &owner));
     TEST_ASSERT_SAME_BYTES(given, pose);
 }
 
@@ -146,14 +146,14 @@ static void absurd_measures_are_refused(void)
     for (unsigned n = 0; n < sizeof heights / sizeof *heights; n++) {
         someone(&r);
         owner.height = heights[n];
-        check_refused(EDML_ERR_PERSON);
+        check_refused(EDML_ERR_BODY);
     }
     for (unsigned n = 0; n < sizeof bones / sizeof *bones; n++) {
         someone(&r);
         owner.bone[8] = bones[n];
-        check_refused(EDML_ERR_PERSON);
+        check_refused(EDML_ERR_BODY);
         owner.height = 1.75F;
-        check_refused(EDML_ERR_PERSON);
+        check_refused(EDML_ERR_BODY);
     }
 }
 
@@ -163,11 +163,11 @@ static void measures_of_two_people_are_refused(void)
     someone(&r);
     owner.bone[8] = 0.25F; /* a child's thigh, a man's shin */
     owner.bone[9] = 0.45F;
-    check_refused(EDML_ERR_PERSON);
+    check_refused(EDML_ERR_BODY);
     owner.bone[9] = 0.28F;
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_fit_person(&pose, &owner));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_fit_body(&pose, &owner));
     owner.height = 1.8F;
-    check_refused(EDML_ERR_PERSON);
+    check_refused(EDML_ERR_BODY);
 }
 
 static void a_pose_that_is_none_is_refused(void)
@@ -177,7 +177,7 @@ static void a_pose_that_is_none_is_refused(void)
     owner.height = 1.75F;
     pose.joint[EDML_L_KNEE].y = NAN;
     before = pose;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_fit_person(&pose, &owner));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_fit_body(&pose, &owner));
     someone(&r);
     owner.height = 1.75F;
     pose.joint[EDML_L_KNEE].y = -4.1F;
@@ -291,9 +291,9 @@ static void size_and_place_of_the_image_do_not_change_quality(void)
 
 static void where_an_unseen_joint_is_does_not_change_quality(void)
 {
-    const float quality = quality_without(EDML_HEAD_TOP);
-    in[EDML_HEAD_TOP].x = NAN;
-    in[EDML_HEAD_TOP].y = 8000;
+    const float quality = quality_without(EDML_HEAD);
+    in[EDML_HEAD].x = NAN;
+    in[EDML_HEAD].y = 8000;
     TEST_ASSERT_TRUE(quality == edml_quality(&pose, in) && quality > 0);
 }
 
@@ -339,7 +339,7 @@ static edml_point point_of(float x, float y, float z)
 static void check_floor(edml_point up)
 {
     float distance[EDML_PAIRS];
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_floor(stood, &pose, up));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_stand(stood, &pose, up));
     pair_distances(distance, pose.joint);
     TEST_ASSERT_ERROR_UP_TO(FLOOR_TOLERANCE, worst_distance_error(stood, distance));
     TEST_ASSERT_TRUE(same_handedness(stood, pose.joint));
@@ -416,24 +416,24 @@ static void no_upwards_is_refused(void)
     memset(stood, 0x5A, sizeof stood);
     edml_point untouched[EDML_JOINTS];
     memcpy(untouched, stood, sizeof stood);
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_floor(stood, &pose, point_of(0, 0, 0)));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_stand(stood, &pose, point_of(0, 0, 0)));
     for (int n = 0; n < 3; n++) {
-        TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_floor(stood, &pose, point_of(wrong[n], -1, 0)));
-        TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_floor(stood, &pose, point_of(0, wrong[n], 0)));
-        TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_floor(stood, &pose, point_of(0, -1, wrong[n])));
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_stand(stood, &pose, point_of(wrong[n], -1, 0)));
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_stand(stood, &pose, point_of(0, wrong[n], 0)));
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_stand(stood, &pose, point_of(0, -1, wrong[n])));
     }
     pose.joint[2].z = NAN;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_floor(stood, &pose, point_of(0, -1, 0)));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_stand(stood, &pose, point_of(0, -1, 0)));
     TEST_ASSERT_EQUAL_MEMORY(untouched, stood, sizeof stood);
 }
 
 static void null_pointers_are_refused(void)
 {
     average_human();
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_fit_person(NULL, &owner));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_fit_person(&pose, NULL));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_floor(NULL, &pose, point_of(0, -1, 0)));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_floor(stood, NULL, point_of(0, -1, 0)));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_fit_body(NULL, &owner));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_fit_body(&pose, NULL));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_stand(NULL, &pose, point_of(0, -1, 0)));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_stand(stood, NULL, point_of(0, -1, 0)));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_uncertainty(NULL, ALL_SEEN));
 }
 

@@ -38,7 +38,7 @@ static void stress_is_the_mean_over_the_pairs(void)
         noisy_distances(&r, distance, x, 0.1F);
         for (int k = 0; k < OBJECTIVES; k++) {
             const double expected = stress(x, objectives[k]);
-            const float actual = edml_stress_f32(x, distance, objectives[k]);
+            const float actual = edml_stress(x, distance, objectives[k]);
             TEST_ASSERT_FLOAT_WITHIN(STRESS_TOLERANCE * (float)expected, (float)expected, actual);
         }
     }
@@ -47,7 +47,7 @@ static void stress_is_the_mean_over_the_pairs(void)
 static void stress_of_nothing_is_zero(void)
 {
     random_points(&(rng){1}, x, 1);
-    TEST_ASSERT_TRUE(edml_stress_f32(x, distance, EDML_STRESS_NONE) == 0);
+    TEST_ASSERT_TRUE(edml_stress(x, distance, EDML_STRESS_NONE) == 0);
 }
 
 static void stress_of_equal_points_is_the_mean_of_the_distances_alone(void)
@@ -58,7 +58,7 @@ static void stress_of_equal_points_is_the_mean_of_the_distances_alone(void)
     for (int k = 0; k < OBJECTIVES; k++) {
         const float expected = (float)stress(x, objectives[k]);
         TEST_ASSERT_FLOAT_WITHIN(STRESS_TOLERANCE * expected, expected,
-                                 edml_stress_f32(x, distance, objectives[k]));
+                                 edml_stress(x, distance, objectives[k]));
     }
 }
 
@@ -70,11 +70,11 @@ static void check_downhill(void)
 {
     for (int k = 0; k < OBJECTIVES; k++) {
         const edml_objective objective = objectives[k];
-        float before = edml_stress_f32(start, distance, objective);
+        float before = edml_stress(start, distance, objective);
         for (int steps = 0; steps <= 20; steps = steps < 4 ? steps + 1 : steps + 8) {
             memcpy(x, start, sizeof x);
-            const int taken = edml_refine_f32(x, distance, objective, steps, &work);
-            const float after = edml_stress_f32(x, distance, objective);
+            const int taken = edml_refine(x, distance, objective, steps, &work);
+            const float after = edml_stress(x, distance, objective);
             TEST_ASSERT_TRUE(taken >= 0 && taken <= steps);
             TEST_ASSERT_TRUE(all_finite(x, 3 * EDML_JOINTS));
             TEST_ASSERT_TRUE(after <= before); /* more steps, no more stress */
@@ -90,7 +90,7 @@ static void the_objective_never_rises_near_the_solution(void)
     for (int n = 0; n < 60; n++) {
         random_human(&r, y);
         noisy_distances(&r, distance, y, 0.03F);
-        edml_mds_f32(start, distance, &work);
+        edml_mds(start, distance, &work);
         check_downhill();
     }
 }
@@ -132,10 +132,10 @@ static void distances_of_zero_draw_the_points_together(void)
     memset(distance, 0, sizeof distance);
     human_pose(start);
     check_downhill();
-    const float before = edml_stress_f32(start, distance, EDML_STRESS_RAW);
+    const float before = edml_stress(start, distance, EDML_STRESS_RAW);
     memcpy(x, start, sizeof x);
-    edml_refine_f32(x, distance, EDML_STRESS_RAW, STEPS, &work);
-    TEST_ASSERT_TRUE(edml_stress_f32(x, distance, EDML_STRESS_RAW) < before / 100);
+    edml_refine(x, distance, EDML_STRESS_RAW, STEPS, &work);
+    TEST_ASSERT_TRUE(edml_stress(x, distance, EDML_STRESS_RAW) < before / 100);
 }
 
 /* Nothing says in which direction to part them. */
@@ -146,7 +146,7 @@ static void equal_points_stay_where_they_are(void)
     equal_points(start, 0.5F, -0.25F, 1);
     check_downhill();
     memcpy(x, start, sizeof x);
-    TEST_ASSERT_EQUAL_INT(0, edml_refine_f32(x, distance, EDML_STRESS_RAW, STEPS, &work));
+    TEST_ASSERT_EQUAL_INT(0, edml_refine(x, distance, EDML_STRESS_RAW, STEPS, &work));
     TEST_ASSERT_SAME_BYTES(start, x);
 }
 
@@ -157,7 +157,7 @@ static void the_right_points_stay_nearly_where_they_are(void)
     check_downhill();
     for (int k = 0; k < OBJECTIVES; k++) {
         memcpy(x, start, sizeof x);
-        edml_refine_f32(x, distance, objectives[k], STEPS, &work);
+        edml_refine(x, distance, objectives[k], STEPS, &work);
         TEST_ASSERT_ERROR_UP_TO(REFINE_STAY_TOLERANCE, worst_joint_error(x, start));
     }
 }
@@ -178,7 +178,7 @@ static void exact_distances_come_back_from_disturbed_points(void)
         }
         for (int k = 0; k < OBJECTIVES; k++) {
             memcpy(x, start, sizeof x);
-            edml_refine_f32(x, distance, objectives[k], 60, &work);
+            edml_refine(x, distance, objectives[k], 60, &work);
             const float error = worst_distance_error(x, distance);
             worst[k] = worse(worst[k], error);
         }
@@ -197,9 +197,9 @@ static void nothing_is_done_where_nothing_is_asked(void)
     human_pose(start);
     memset(distance, 0, sizeof distance);
     memcpy(x, start, sizeof x);
-    TEST_ASSERT_EQUAL_INT(0, edml_refine_f32(x, distance, EDML_STRESS_NONE, STEPS, &work));
-    TEST_ASSERT_EQUAL_INT(0, edml_refine_f32(x, distance, EDML_STRESS_SQUARE, 0, &work));
-    TEST_ASSERT_EQUAL_INT(0, edml_refine_f32(x, distance, EDML_STRESS_EQ2, -1, &work));
+    TEST_ASSERT_EQUAL_INT(0, edml_refine(x, distance, EDML_STRESS_NONE, STEPS, &work));
+    TEST_ASSERT_EQUAL_INT(0, edml_refine(x, distance, EDML_STRESS_SQUARE, 0, &work));
+    TEST_ASSERT_EQUAL_INT(0, edml_refine(x, distance, EDML_STRESS_EQ2, -1, &work));
     TEST_ASSERT_SAME_BYTES(start, x);
 }
 
@@ -209,13 +209,13 @@ static void turned_points_are_refined_to_turned_points(void)
     for (int n = 0; n < 30; n++) {
         random_human(&r, y);
         noisy_distances(&r, distance, y, 0.02F);
-        edml_mds_f32(start, distance, &work);
+        edml_mds(start, distance, &work);
         const rotation3 turn = random_rotation(&r);
         for (int k = 0; k < OBJECTIVES; k++) {
             rotate(x, turn, start);
-            edml_refine_f32(x, distance, objectives[k], 4, &work);
+            edml_refine(x, distance, objectives[k], 4, &work);
             memcpy(y, start, sizeof y);
-            edml_refine_f32(y, distance, objectives[k], 4, &work);
+            edml_refine(y, distance, objectives[k], 4, &work);
             rotate(y, turn, y);
             TEST_ASSERT_ERROR_UP_TO(REFINE_TURNED_TOLERANCE, worst_joint_error(x, y));
         }
@@ -227,12 +227,12 @@ static void mirrored_points_are_refined_to_mirrored_points_bit_for_bit(void)
     rng r = rng_seed(37);
     random_human(&r, y);
     noisy_distances(&r, distance, y, 0.05F);
-    edml_mds_f32(start, distance, &work);
+    edml_mds(start, distance, &work);
     for (int k = 0; k < OBJECTIVES; k++) {
         memcpy(x, start, sizeof x);
-        edml_refine_f32(x, distance, objectives[k], STEPS, &work);
+        edml_refine(x, distance, objectives[k], STEPS, &work);
         reflect(y, start);
-        edml_refine_f32(y, distance, objectives[k], STEPS, &work);
+        edml_refine(y, distance, objectives[k], STEPS, &work);
         reflect(y, y);
         TEST_ASSERT_SAME_BYTES(x, y);
     }
@@ -246,10 +246,10 @@ static void what_work_memory_held_does_not_matter(void)
     for (int k = 0; k < OBJECTIVES; k++) {
         memset(&work, 0, sizeof work);
         memcpy(x, start, sizeof x);
-        edml_refine_f32(x, distance, objectives[k], STEPS, &work);
+        edml_refine(x, distance, objectives[k], STEPS, &work);
         memset(&work, 0xFF, sizeof work);
         memcpy(y, start, sizeof y);
-        edml_refine_f32(y, distance, objectives[k], STEPS, &work);
+        edml_refine(y, distance, objectives[k], STEPS, &work);
         TEST_ASSERT_SAME_BYTES(x, y);
     }
 }
@@ -261,7 +261,7 @@ static void nan_takes_no_step(void)
     distance[40] = NAN;
     for (int k = 0; k < OBJECTIVES; k++) {
         memcpy(x, start, sizeof x);
-        TEST_ASSERT_EQUAL_INT(0, edml_refine_f32(x, distance, objectives[k], STEPS, &work));
+        TEST_ASSERT_EQUAL_INT(0, edml_refine(x, distance, objectives[k], STEPS, &work));
         TEST_ASSERT_SAME_BYTES(start, x);
     }
 }

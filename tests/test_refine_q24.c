@@ -10,7 +10,7 @@
 static const edml_objective objectives[] = {EDML_STRESS_SQUARE, EDML_STRESS_RAW, EDML_STRESS_EQ2};
 enum { OBJECTIVES = 3, STEPS = 10, ONE = 1 << 24 };
 
-static edml_work_q24 work;
+static edml_work_q work;
 static edml_point_q24 x[EDML_JOINTS], y[EDML_JOINTS], start[EDML_JOINTS];
 static int32_t distance[EDML_PAIRS];
 static edml_point person[EDML_JOINTS];
@@ -51,7 +51,7 @@ static void start_from_a_person(rng *r, float noise)
     random_human(r, person);
     noisy_distances(r, distance_f32, person, noise);
     distances_to_q24();
-    edml_mds_q24(start, distance, &work);
+    edml_mds_q(start, distance, &work);
 }
 
 /* ---- The objective ----------------------------------------------------------------------------- */
@@ -67,8 +67,8 @@ static void stress_is_that_of_float(void)
         points_to_q24(x, person);
         points_to_f32(person, x);
         for (int k = 0; k < OBJECTIVES; k++) {
-            const float expected = edml_stress_f32(person, distance_f32, objectives[k]);
-            const float actual = (float)edml_stress_q24(x, distance, objectives[k]) / ONE;
+            const float expected = edml_stress(person, distance_f32, objectives[k]);
+            const float actual = (float)edml_stress_q(x, distance, objectives[k]) / ONE;
             worst = worse(worst, fabsf(actual - expected));
         }
     }
@@ -78,7 +78,7 @@ static void stress_is_that_of_float(void)
 
 static void stress_of_nothing_is_zero(void)
 {
-    TEST_ASSERT_EQUAL_INT32(0, edml_stress_q24(x, distance, EDML_STRESS_NONE));
+    TEST_ASSERT_EQUAL_INT32(0, edml_stress_q(x, distance, EDML_STRESS_NONE));
 }
 
 static void stress_of_points_far_apart_is_the_largest_there_is(void)
@@ -87,12 +87,12 @@ static void stress_of_points_far_apart_is_the_largest_there_is(void)
     memset(x, 0, sizeof x);
     for (int k = 0; k < OBJECTIVES; k++) {
         x[3].y = 8 * ONE - 1;
-        TEST_ASSERT_TRUE(edml_stress_q24(x, distance, objectives[k]) > 0);
+        TEST_ASSERT_TRUE(edml_stress_q(x, distance, objectives[k]) > 0);
         for (x[3].y = 8 * ONE; x[3].y < 64 * ONE; x[3].y += ONE)
-            TEST_ASSERT_EQUAL_INT32(64 * ONE, edml_stress_q24(x, distance, objectives[k]));
+            TEST_ASSERT_EQUAL_INT32(64 * ONE, edml_stress_q(x, distance, objectives[k]));
     }
     for (int j = 0; j < EDML_JOINTS; j++) x[j].y = j % 2 ? 8 * ONE - 1 : 0; /* mean of 49 * 64^2 */
-    TEST_ASSERT_EQUAL_INT32(64 * ONE, edml_stress_q24(x, distance, EDML_STRESS_SQUARE));
+    TEST_ASSERT_EQUAL_INT32(64 * ONE, edml_stress_q(x, distance, EDML_STRESS_SQUARE));
 }
 
 /* ---- Never uphill, never out of range ------------------------------------------------------------ */
@@ -114,11 +114,11 @@ static void check_downhill(void)
 {
     for (int k = 0; k < OBJECTIVES; k++) {
         const edml_objective objective = objectives[k];
-        int32_t before = edml_stress_q24(start, distance, objective);
+        int32_t before = edml_stress_q(start, distance, objective);
         for (int steps = 0; steps <= 20; steps = steps < 4 ? steps + 1 : steps + 8) {
             memcpy(x, start, sizeof x);
-            const int taken = edml_refine_q24(x, distance, objective, steps, &work);
-            const int32_t after = edml_stress_q24(x, distance, objective);
+            const int taken = edml_refine_q(x, distance, objective, steps, &work);
+            const int32_t after = edml_stress_q(x, distance, objective);
             TEST_ASSERT_TRUE(taken >= 0 && taken <= steps);
             TEST_ASSERT_TRUE(after <= before); /* more steps, no more stress */
             if (taken == 0)
@@ -160,7 +160,7 @@ static void the_objective_never_rises_for_impossible_distances(void)
             distance_f32[k] = n % 3 == 0 ? any : n % 3 == 1 ? 3.0F * (any < 1.5F) : any / 30000;
         }
         distances_to_q24();
-        edml_mds_q24(start, distance, &work);
+        edml_mds_q(start, distance, &work);
         check_downhill();
         random_points(&r, person, 1);
         points_to_q24(start, person);
@@ -176,7 +176,7 @@ static void the_objective_never_rises_for_heaps(void)
         for (int i = 0; i < EDML_JOINTS; i++)
             for (int j = i + 1; j < EDML_JOINTS; j++)
                 distance[EDML_PAIR(i, j)] = (i < heap) != (j < heap) ? 3 * ONE : (i * j) % 3 * ONE;
-        edml_mds_q24(start, distance, &work);
+        edml_mds_q(start, distance, &work);
         check_downhill();
     }
 }
@@ -187,10 +187,10 @@ static void distances_of_zero_draw_the_points_together(void)
     human_pose(person);
     points_to_q24(start, person);
     check_downhill();
-    const int32_t before = edml_stress_q24(start, distance, EDML_STRESS_RAW);
+    const int32_t before = edml_stress_q(start, distance, EDML_STRESS_RAW);
     memcpy(x, start, sizeof x);
-    edml_refine_q24(x, distance, EDML_STRESS_RAW, STEPS, &work);
-    TEST_ASSERT_TRUE(edml_stress_q24(x, distance, EDML_STRESS_RAW) < before / 100);
+    edml_refine_q(x, distance, EDML_STRESS_RAW, STEPS, &work);
+    TEST_ASSERT_TRUE(edml_stress_q(x, distance, EDML_STRESS_RAW) < before / 100);
 }
 
 static void equal_points_stay_where_they_are(void)
@@ -203,7 +203,7 @@ static void equal_points_stay_where_they_are(void)
     check_downhill();
     for (int k = 0; k < OBJECTIVES; k++) {
         memcpy(x, start, sizeof x);
-        TEST_ASSERT_EQUAL_INT(0, edml_refine_q24(x, distance, objectives[k], STEPS, &work));
+        TEST_ASSERT_EQUAL_INT(0, edml_refine_q(x, distance, objectives[k], STEPS, &work));
     }
 }
 
@@ -217,7 +217,7 @@ static void points_far_apart_stay_where_they_are(void)
         points_to_q24(start, person);
         for (int k = 0; k < OBJECTIVES; k++) {
             memcpy(x, start, sizeof x);
-            TEST_ASSERT_EQUAL_INT(0, edml_refine_q24(x, distance, objectives[k], STEPS, &work));
+            TEST_ASSERT_EQUAL_INT(0, edml_refine_q(x, distance, objectives[k], STEPS, &work));
             TEST_ASSERT_SAME_BYTES(start, x);
         }
     }
@@ -238,11 +238,11 @@ static void compare(edml_objective objective, const char *name)
         start_from_a_person(&r, 0.03F);
         points_to_f32(person, start);
         memcpy(x, start, sizeof x);
-        edml_refine_f32(person, distance_f32, objective, FEW, &work_f32);
-        edml_refine_q24(x, distance, objective, FEW, &work);
+        edml_refine(person, distance_f32, objective, FEW, &work_f32);
+        edml_refine_q(x, distance, objective, FEW, &work);
         points_to_f32(refined, x);
-        const float expected = edml_stress_f32(person, distance_f32, objective);
-        const float reached = edml_stress_f32(refined, distance_f32, objective);
+        const float expected = edml_stress(person, distance_f32, objective);
+        const float reached = edml_stress(refined, distance_f32, objective);
         worst = worse(worst, worst_joint_error(refined, person));
         worst_rise = worse(worst_rise, reached / expected - 1.0F);
     }
@@ -281,7 +281,7 @@ static void exact_distances_come_back_from_disturbed_points(void)
         for (int k = 0; k < OBJECTIVES; k++) {
             edml_point refined[EDML_JOINTS];
             points_to_q24(x, person);
-            edml_refine_q24(x, distance, objectives[k], 60, &work);
+            edml_refine_q(x, distance, objectives[k], 60, &work);
             points_to_f32(refined, x);
             worst[k] = worse(worst[k], worst_distance_error(refined, distance_f32));
         }
@@ -300,9 +300,9 @@ static void nothing_is_done_where_nothing_is_asked(void)
     rng r = rng_seed(138);
     start_from_a_person(&r, 0.1F);
     memcpy(x, start, sizeof x);
-    TEST_ASSERT_EQUAL_INT(0, edml_refine_q24(x, distance, EDML_STRESS_NONE, STEPS, &work));
-    TEST_ASSERT_EQUAL_INT(0, edml_refine_q24(x, distance, EDML_STRESS_SQUARE, 0, &work));
-    TEST_ASSERT_EQUAL_INT(0, edml_refine_q24(x, distance, EDML_STRESS_EQ2, -1, &work));
+    TEST_ASSERT_EQUAL_INT(0, edml_refine_q(x, distance, EDML_STRESS_NONE, STEPS, &work));
+    TEST_ASSERT_EQUAL_INT(0, edml_refine_q(x, distance, EDML_STRESS_SQUARE, 0, &work));
+    TEST_ASSERT_EQUAL_INT(0, edml_refine_q(x, distance, EDML_STRESS_EQ2, -1, &work));
     TEST_ASSERT_SAME_BYTES(start, x);
 }
 
@@ -313,10 +313,10 @@ static void what_work_memory_held_does_not_matter(void)
     for (int k = 0; k < OBJECTIVES; k++) {
         memset(&work, 0, sizeof work);
         memcpy(x, start, sizeof x);
-        edml_refine_q24(x, distance, objectives[k], STEPS, &work);
+        edml_refine_q(x, distance, objectives[k], STEPS, &work);
         memset(&work, 0x7F, sizeof work);
         memcpy(y, start, sizeof y);
-        edml_refine_q24(y, distance, objectives[k], STEPS, &work);
+        edml_refine_q(y, distance, objectives[k], STEPS, &work);
         TEST_ASSERT_SAME_BYTES(x, y);
     }
 }

@@ -14,12 +14,12 @@ static edml_keypoint in[EDML_JOINTS], whole[EDML_JOINTS];
 
 static edml_status run(uint32_t time)
 {
-    return edml_track_lift(&pose, &track, in, time, &edml_fconn_f32, &work);
+    return edml_track_lift(&pose, &track, in, time, &edml_fconn_f32, &work, sizeof work);
 }
 
 static edml_status run_other(uint32_t time)
 {
-    return edml_track_lift(&again, &other, in, time, &edml_fconn_f32, &work);
+    return edml_track_lift(&again, &other, in, time, &edml_fconn_f32, &work, sizeof work);
 }
 
 /* Somebody who turns on the spot, steps of 2 degrees. */
@@ -71,13 +71,13 @@ static void somebody_who_stands_still_stays_as_lifted(void)
 {
     start();
     see_turned(0);
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work, sizeof work));
     for (uint32_t n = 0; n < 40; n++) {
         TEST_ASSERT_EQUAL_INT(EDML_OK, run(n * FRAME));
         TEST_ASSERT_EQUAL_MEMORY(again.joint, pose.joint, sizeof pose.joint);
         TEST_ASSERT_EQUAL_UINT16(ALL_SEEN, pose.seen);
         TEST_ASSERT_TRUE(pose.residual == again.residual && pose.mirror_margin > 0);
-        TEST_ASSERT_TRUE(!track.held && !track.exchanged && !track.mirrored);
+        TEST_ASSERT_TRUE(!track.held && !track.swapped && !track.mirrored);
         TEST_ASSERT_EQUAL_UINT32(n == 0 ? 0 : FRAME, track.elapsed);
     }
 }
@@ -137,7 +137,7 @@ static void noise_is_more_than_halved(void)
         add_noise(&r, 5);
         memmove(alone, alone + 1, 2 * sizeof *alone);
         memmove(steady, steady + 1, 2 * sizeof *steady);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&alone[2], in, &edml_fconn_f32, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&alone[2], in, &edml_fconn_f32, &work, sizeof work));
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
         steady[2] = pose;
         if (n < 10) continue;
@@ -183,7 +183,7 @@ static void the_filter_is_the_papers(void)
     double missed = 0;
     uint32_t time = 0;
     start();
-    track.noise = 0;
+    track.jitter_full = 0;
     see_turned(0);
     TEST_ASSERT_EQUAL_INT(EDML_OK, run(time));
     other = track;
@@ -200,7 +200,7 @@ static void the_filter_is_the_papers(void)
         missed = n == 15 ? seconds : 0;
         time += 40 + (uint32_t)n % 3;
         TEST_ASSERT_EQUAL_INT(EDML_OK, run(time));
-        const float rest_at = track.joint[EDML_NECK].image.at.x - other.joint[EDML_NECK].image.at.x;
+        const float rest_at = track.joint[EDML_NECK_BASE].image.at.x - other.joint[EDML_NECK_BASE].image.at.x;
         const float wrist_at = track.joint[EDML_L_WRIST].image.at.x - other.joint[EDML_L_WRIST].image.at.x;
         TEST_ASSERT_FLOAT_WITHIN(0.01F, (float)rest.at, rest_at);
         TEST_ASSERT_FLOAT_WITHIN(0.01F, (float)wrist.at, wrist_at);
@@ -213,11 +213,11 @@ static double lag_of(float noise, float pixels)
     double sum = 0;
     rng r = rng_seed(74);
     start();
-    track.noise = noise;
+    track.jitter_full = noise;
     for (int n = 0; n < 60; n++) {
         see_turned(n);
         add_noise(&r, pixels);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work, sizeof work));
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
         for (int j = 0; j < EDML_JOINTS; j++)
             sum += distance_between(again.joint[j], pose.joint[j]) / (60 * EDML_JOINTS);
@@ -228,12 +228,12 @@ static double lag_of(float noise, float pixels)
 static void steady_keypoints_are_filtered_less(void)
 {
     edml_track_start(&track);
-    const float noise = track.noise;
+    const float noise = track.jitter_full;
     const double steady = lag_of(noise, 0);
-    TEST_ASSERT_TRUE(track.unsteady > 0 && track.unsteady < noise / 2);
+    TEST_ASSERT_TRUE(track.jitter > 0 && track.jitter < noise / 2);
     TEST_ASSERT_TRUE(steady < lag_of(0, 0) / 2);
     const double noisy = lag_of(noise, 20);
-    TEST_ASSERT_TRUE(track.unsteady > noise);
+    TEST_ASSERT_TRUE(track.jitter > noise);
     TEST_ASSERT_TRUE(noisy > 0.9 * lag_of(0, 20));
 }
 
@@ -244,7 +244,7 @@ static void motion_is_not_taken_for_noise(void)
     for (int n = 0; n < 60; n++) {
         see_turned(6 * n);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * 2 * FRAME));
-        TEST_ASSERT_TRUE(n < 15 || track.unsteady < track.noise / 20);
+        TEST_ASSERT_TRUE(n < 15 || track.jitter < track.jitter_full / 20);
     }
 }
 
@@ -256,7 +256,7 @@ static void without_filters_frames_are_as_lifted(void)
     for (int n = 0; n < 30; n++) {
         see_turned(n);
         add_noise(&r, 2);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work, sizeof work));
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
         TEST_ASSERT_ERROR_UP_TO(0.0001F, worst_joint_error(again.joint, pose.joint));
     }
@@ -274,12 +274,12 @@ static void check_exchange(int kind, int missing)
         if (missing && n >= 15) in[EDML_L_WRIST].c = in[EDML_R_KNEE].c = 0;
         memcpy(whole, in, sizeof whole);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run_other((uint32_t)n * FRAME));
-        if (wrong && (kind & EDML_EXCHANGED_ARMS)) exchange(EDML_R_SHOULDER);
-        if (wrong && (kind & EDML_EXCHANGED_LEGS)) exchange(EDML_R_HIP);
+        if (wrong && (kind & EDML_SWAPPED_ARMS)) exchange(EDML_R_SHOULDER);
+        if (wrong && (kind & EDML_SWAPPED_LEGS)) exchange(EDML_R_HIP);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
-        TEST_ASSERT_EQUAL_UINT8(wrong ? kind : 0, track.exchanged);
+        TEST_ASSERT_EQUAL_UINT8(wrong ? kind : 0, track.swapped);
         TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose); /* and what was seen */
-        edml_track_sort(in, &track);
+        edml_track_swap_sides(in, &track);
         TEST_ASSERT_EQUAL_MEMORY(whole, in, sizeof in);
     }
 }
@@ -299,7 +299,7 @@ static void a_turn_is_not_undone(void)
         for (int n = 0; n < 120; n++) {
             see_turned(steps * n);
             TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
-            TEST_ASSERT_EQUAL_UINT8(0, track.exchanged);
+            TEST_ASSERT_EQUAL_UINT8(0, track.swapped);
         }
     }
 }
@@ -312,14 +312,14 @@ static void what_lasts_is_no_exchange(void)
         see_turned(0);
         if (n >= 20) exchange(EDML_R_HIP);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
-        if (track.exchanged) undone++;
-        TEST_ASSERT_TRUE(track.exchanged == 0 || (n >= 20 && n < 20 + 500 / FRAME));
-        if (track.exchanged) exchange(EDML_R_HIP);
+        if (track.swapped) undone++;
+        TEST_ASSERT_TRUE(track.swapped == 0 || (n >= 20 && n < 20 + 500 / FRAME));
+        if (track.swapped) exchange(EDML_R_HIP);
         for (int j = 0; j < EDML_JOINTS; j++) /* none on its way between right and left */
             TEST_ASSERT_FLOAT_WITHIN(0.01F, in[j].x, track.joint[j].image.at.x);
     }
     TEST_ASSERT_TRUE(undone * FRAME >= 250);
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work, sizeof work));
     TEST_ASSERT_ERROR_UP_TO(0.005F, worst_joint_error(again.joint, pose.joint));
 }
 
@@ -331,7 +331,7 @@ static edml_model doubtful_model(int right)
 {
     edml_model model = edml_fconn_f32;
     for (int n = 0; n < 5; n++) model.mirror[n].f32 *= right ? 0.1F : -0.1F;
-    model.blend[0].f32 = 0;
+    model.fusion[0].f32 = 0;
     return model;
 }
 
@@ -345,9 +345,9 @@ static void a_mirror_image_is_taken_only_if_it_persists(void)
         const int wrong = (n >= 30 && n < 32) || n >= 60;
         see_turned(15);
         const edml_model *model = wrong ? &bad : &good;
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, model, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, model, &work, sizeof work));
         TEST_ASSERT_EQUAL_INT(
-            EDML_OK, edml_track_lift(&pose, &track, in, (uint32_t)n * FRAME, model, &work));
+            EDML_OK, edml_track_lift(&pose, &track, in, (uint32_t)n * FRAME, model, &work, sizeof work));
         if (n < 60) TEST_ASSERT_EQUAL_UINT8(wrong, track.mirrored);
         if (n == 29) before = pose;
         if (n > 29 && n < 60) TEST_ASSERT_ERROR_UP_TO(0.0001F, worst_joint_error(before.joint, pose.joint));
@@ -501,7 +501,7 @@ static void an_absurd_frame_is_got_over(void)
             TEST_ASSERT_TRUE(all_finite(pose.joint, 3 * EDML_JOINTS));
             if (n < 20 || n > 55) TEST_ASSERT_EQUAL_INT(EDML_OK, status);
         }
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work, sizeof work));
         TEST_ASSERT_ERROR_UP_TO(0.1F, worst_joint_error(again.joint, pose.joint));
     }
 }
@@ -511,10 +511,10 @@ static void null_pointers(void)
     const edml_model *model = &edml_fconn_f32;
     start();
     see_turned(0);
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(NULL, &track, in, 0, model, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, NULL, in, 0, model, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, NULL, 0, model, &work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, in, 0, NULL, &work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(NULL, &track, in, 0, model, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, NULL, in, 0, model, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, NULL, 0, model, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, in, 0, NULL, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, in, 0, model, NULL));
     TEST_ASSERT_EQUAL_INT(0, track.started);
 }
@@ -536,7 +536,7 @@ static void a_track_that_was_not_started_and_bad_settings_are_refused(void)
         TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
     }
     start();
-    track.noise = -1;
+    track.jitter_full = -1;
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
     start();
     TEST_ASSERT_EQUAL_INT(EDML_OK, run(0));

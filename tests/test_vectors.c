@@ -45,7 +45,7 @@ static void edm(void)
     float worst = 0;
     for (int n = 0; n < LIFTS; n++) {
         load_keypoints(&lift_vectors[n]);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm_f32(values, in, 4, 100, &edml_usual_completion));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm(values, in, 4, 100, &edml_default_imputation));
         worst = worse(worst, worst_difference(values, lift_vectors[n].edm, EDML_PAIRS));
     }
     report("edm", worst);
@@ -57,7 +57,7 @@ static void net(void)
     float worst = 0, input[EDML_PAIRS];
     for (int n = 0; n < LIFTS; n++) {
         to_floats(input, lift_vectors[n].edm, EDML_PAIRS);
-        edml_net_f32(values, input, &edml_fconn_f32, &work);
+        edml_predict(values, input, &edml_fconn_f32, &work, sizeof work);
         worst = worse(worst, worst_difference(values, lift_vectors[n].net, EDML_PAIRS));
     }
     report("network, m", worst);
@@ -69,12 +69,12 @@ static void eigenvalues(void)
     float worst = 0;
     for (int n = 0; n < EIGENS; n++) {
         const eigen_vector *v = &eigen_vectors[n];
-        static edml_matrix_f32 a;
-        static edml_eigen_f32 e;
+        static edml_matrix a;
+        static edml_eigen e;
         const double *from = v->matrix;
         for (int i = 0; i < EDML_JOINTS; i++)
             for (int j = i; j < EDML_JOINTS; j++) a.at[i][j] = (float)*from++;
-        edml_jacobi_f32(&e, &a);
+        edml_jacobi(&e, &a);
         const float largest = (float)fmax(v->value[0], -v->value[EDML_JOINTS - 1]);
         worst = worse(worst, worst_difference(e.value, v->value, EDML_JOINTS) / largest);
     }
@@ -87,7 +87,7 @@ static void mds(void)
     float worst = 0, distance[EDML_PAIRS];
     for (int n = 0; n < SHAPES; n++) {
         to_floats(distance, shape_vectors[n].distance, EDML_PAIRS);
-        edml_mds_f32(x, distance, &work);
+        edml_mds(x, distance, &work);
         pair_distances(values, x);
         worst = worse(worst, worst_difference(values, shape_vectors[n].mds, EDML_PAIRS));
     }
@@ -100,8 +100,8 @@ static void check_refinement(edml_objective objective, int row, const char *name
     float worst = 0, distance[EDML_PAIRS];
     for (int n = 0; n < SHAPES; n++) {
         to_floats(distance, shape_vectors[n].distance, EDML_PAIRS);
-        edml_mds_f32(x, distance, &work);
-        edml_refine_f32(x, distance, objective, VECTOR_STEPS, &work);
+        edml_mds(x, distance, &work);
+        edml_refine(x, distance, objective, VECTOR_STEPS, &work);
         pair_distances(values, x);
         worst = worse(worst, worst_difference(values, shape_vectors[n].refined[row], EDML_PAIRS));
     }
@@ -131,7 +131,7 @@ static void lift(void)
         const lift_vector *v = &lift_vectors[n];
         edml_pose pose;
         load_keypoints(v);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&pose, in, &edml_fconn_f32, &work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&pose, in, &edml_fconn_f32, &work, sizeof work));
         worst = worse(worst, worst_difference(&pose.joint[0].x, v->pose[0], 3 * EDML_JOINTS));
         worst_margin = worse(worst_margin, worst_difference(&pose.mirror_margin, &v->margin, 1));
         worst_residual = worse(worst_residual, worst_difference(&pose.residual, &v->residual, 1));

@@ -1,4 +1,4 @@
-/* Lifts a recorded walk on bare metal and prints a line a pose, in whole numbers: its index, status,
+/* Lifts a recorded walk on bare metal and prints a line a pose, in integers: its index, status,
  * the margin of the mirror image in thousandths, the residual and x, y, z of the 14 joints in
  * millimetres.  The last line is a checksum of every bit of the results, the same on every core.
  *
@@ -15,7 +15,7 @@ static const int32_t walk[][3 * EDML_JOINTS] = {
 };
 enum { POSES = (int)(sizeof walk / sizeof walk[0]) };
 
-static work_memory work; /* 4 KB, better not on the stack */
+static work_memory work; /* 3.9 KB: static, because it is too large for most stacks */
 
 static void detect(keypoint in[EDML_JOINTS], const int32_t row[3 * EDML_JOINTS])
 {
@@ -32,8 +32,8 @@ static void print(int index, edml_status status, const pose *lifted)
     if (status == EDML_OK) {
         printf(",%d,%d", thousandths(lifted->mirror_margin), thousandths(lifted->residual));
         for (int j = 0; j < EDML_JOINTS; j++)
-            printf(",%d,%d,%d", thousandths(lifted->joint[j].x),
-                   thousandths(lifted->joint[j].y), thousandths(lifted->joint[j].z));
+            printf(",%d,%d,%d", thousandths(lifted->joint[j].x), thousandths(lifted->joint[j].y),
+                   thousandths(lifted->joint[j].z));
     }
     printf("\n");
 }
@@ -58,7 +58,7 @@ int main(void)
         keypoint in[EDML_JOINTS];
         pose lifted;
         detect(in, walk[i]);
-        const edml_status status = LIFT(&lifted, in, &MODEL, &work);
+        const edml_status status = LIFT(&lifted, in, &MODEL, &work, sizeof work);
         print(i, status, &lifted);
         if (status == EDML_OK) {
             hash = add_bits(hash, lifted.joint, sizeof lifted.joint);

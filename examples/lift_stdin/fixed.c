@@ -1,5 +1,5 @@
 /* The lift and what follows it in fixed point: everything between the numbers read and the numbers
- * printed is done in whole numbers, as on a core without an FPU.
+ * printed is done in integers, as on a core without an FPU.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,7 +7,7 @@
 
 #include "lift_stdin.h"
 
-/* Saturates, as hardware does: NaN and infinity become what edml_lift_q24() calls not finite. */
+/* Saturates, as hardware does: NaN and infinity become what edml_lift_q() calls not finite. */
 static int32_t saturate(double value, double low, double high)
 {
     if (!(value > low)) return (int32_t)low;
@@ -15,9 +15,9 @@ static int32_t saturate(double value, double low, double high)
     return (int32_t)(value < 0 ? value - 0.5 : value + 0.5);
 }
 
-static edml_keypoint_q16 to_q16(edml_keypoint in)
+static edml_keypoint_q to_q16(edml_keypoint in)
 {
-    edml_keypoint_q16 out;
+    edml_keypoint_q out;
     out.x = saturate(65536.0 * (double)in.x, INT32_MIN, INT32_MAX);
     out.y = saturate(65536.0 * (double)in.y, INT32_MIN, INT32_MAX);
     out.c = in.c > 0 ? (int16_t)saturate(32767.0 * (double)in.c, 1, INT16_MAX) : 0;
@@ -30,28 +30,25 @@ static edml_keypoint_q16 to_q16(edml_keypoint in)
 
 static float to_float(int32_t value) { return (float)(value / 65536.0); }
 
-static edml_point point_of(edml_point_q16 p)
+static edml_point point_of(edml_point_q p)
 {
     const edml_point q = {to_float(p.x), to_float(p.y), to_float(p.z)};
     return q;
 }
 
-static int32_t whole(float value)
-{
-    return saturate(65536.0 * (double)value, INT32_MIN, INT32_MAX);
-}
+static int32_t to_fixed(float value) { return saturate(65536.0 * (double)value, INT32_MIN, INT32_MAX); }
 
-static void place_fixed(answer *out, const edml_pose_q16 *pose, const edml_keypoint_q16 in[],
-                        const options *set, edml_work_q24 *work)
+static void place_fixed(answer *out, const edml_pose_q *pose, const edml_keypoint_q in[],
+                        const options *set, void *work, size_t work_bytes)
 {
-    edml_camera_q16 camera = {whole(set->camera.fx), whole(set->camera.fy), whole(set->camera.cx),
-                              whole(set->camera.cy)};
-    edml_placement_q16 placed;
+    edml_camera_q camera = {to_fixed(set->camera.fx), to_fixed(set->camera.fy), to_fixed(set->camera.cx),
+                            to_fixed(set->camera.cy)};
+    edml_placement_q placed;
     edml_placement placement;
-    const edml_status status =
-        set->sweep ? edml_place_sweep_q24(&placed, &camera, pose, in, whole(set->width),
-                                          whole(set->height), work)
-                   : edml_place_q24(&placed, pose, in, &camera, work);
+    const edml_status status = set->sweep
+                                   ? edml_place_sweep_q(&placed, &camera, pose, in, to_fixed(set->width),
+                                                        to_fixed(set->height), work, work_bytes)
+                                   : edml_place_q(&placed, pose, in, &camera, work, work_bytes);
     if (status == EDML_OK) {
         for (int j = 0; j < EDML_JOINTS; j++) placement.joint[j] = point_of(placed.joint[j]);
         placement.translation = point_of(placed.translation);
@@ -62,22 +59,25 @@ static void place_fixed(answer *out, const edml_pose_q16 *pose, const edml_keypo
 
 edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set)
 {
-    edml_keypoint_q16 keypoints[KEYPOINTS_MAX], joints[EDML_JOINTS];
-    edml_pose_q16 lifted;
-    edml_work_q24 work;
+    edml_keypoint_q keypoints[KEYPOINTS_MAX], joints[EDML_JOINTS];
+    edml_pose_q lifted;
+    static edml_fconv_work_q work;
     for (int n = 0; n < keypoints_of(set); n++) keypoints[n] = to_q16(in[n]);
-    if (set->format != NULL) edml_adapt_q16(joints, keypoints, set->format);
-    const edml_keypoint_q16 *seen = set->format != NULL ? joints : keypoints;
-    edml_status status = edml_lift_q24(&lifted, seen, set->model, &work);
+    if (set->format != NULL) edml_adapt_q(joints, keypoints, set->format);
+    const edml_keypoint_q *seen = set->format != NULL ? joints : keypoints;
+    edml_status status = edml_lift_q(&lifted, seen, set->model, &work, sizeof work);
     if (status != EDML_OK) return status;
-    if (set->quality) out->quality = to_float(edml_quality_q24(&lifted, seen));
-    const edml_person_q16 owner = {whole(set->owner.height), {0}};
-    if (set->owner.height > 0) status = edml_fit_person_q24(&lifted, &owner);
+    int32_t quality = 0;
+    if (set->quality) status = edml_quality_q(&quality, &lifted, seen);
+    if (status != EDML_OK) return status;
+    out->quality = to_float(quality);
+    const edml_body_q body = {to_fixed(set->body.height), {0}};
+    if (set->body.height > 0) status = edml_fit_body_q(&lifted, &body);
     if (status != EDML_OK) return status;
     for (int j = 0; j < EDML_JOINTS; j++) out->pose.joint[j] = point_of(lifted.joint[j]);
     out->pose.mirror_margin = to_float(lifted.mirror_margin);
     out->pose.residual = to_float(lifted.residual);
     out->pose.seen = lifted.seen;
-    if (places(set)) place_fixed(out, &lifted, seen, set, &work);
+    if (places(set)) place_fixed(out, &lifted, seen, set, &work, sizeof work);
     return EDML_OK;
 }

@@ -9,10 +9,7 @@
 
 static int is_digit(char c) { return c >= '0' && c <= '9'; }
 
-static int is_hex(char c)
-{
-    return is_digit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
-}
+static int is_hex(char c) { return is_digit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
 
 const char *json_skip(const char *p)
 {
@@ -104,12 +101,18 @@ const char *json_value(const char *p, int depth)
 {
     switch (*p) {
     case '{':
-    case '[': return skip_nested(p, depth);
-    case '"': return skip_string(p + 1);
-    case 't': return skip_word(p, "true");
-    case 'f': return skip_word(p, "false");
-    case 'n': return skip_word(p, "null");
-    default: return skip_number(p);
+    case '[':
+        return skip_nested(p, depth);
+    case '"':
+        return skip_string(p + 1);
+    case 't':
+        return skip_word(p, "true");
+    case 'f':
+        return skip_word(p, "false");
+    case 'n':
+        return skip_word(p, "null");
+    default:
+        return skip_number(p);
     }
 }
 

@@ -21,8 +21,8 @@ static int is_named(const char *p, const char *name)
 /* A member of the object that the answer has, too; or NULL. */
 static const char *name_of_answer(const char *object, const options *set)
 {
-    static const char *const names[] = {"status", "joints", "mirror_margin", "residual", "quality",
-                                        "placement", "root", "reprojection", "focal"};
+    static const char *const names[] = {"status",    "joints", "mirror_margin", "residual", "quality",
+                                        "placement", "root",   "reprojection",  "focal"};
     enum { ALWAYS = 4, QUALITY = 4, NAMES = 9 };
     for (const char *p = json_first(object); p != NULL; p = json_next(json_value_of(p)))
         for (int n = 0; n < NAMES; n++)
@@ -86,8 +86,7 @@ static const char *read_time(double *time, const char *object)
     return *time < 0 ? "has no t" : NULL;
 }
 
-static const char *read_jsonl(edml_keypoint in[], double *time, const char *line,
-                              const options *set)
+static const char *read_jsonl(edml_keypoint in[], double *time, const char *line, const options *set)
 {
     static char wrong[128];
     const char *why = NULL;
@@ -110,8 +109,7 @@ static const char *read_jsonl(edml_keypoint in[], double *time, const char *line
         return wrong;
     }
     if (count == keypoints_of(set)) return NULL;
-    snprintf(wrong, sizeof wrong, "%d keypoints, but %s has %d", count, name_of(set),
-             keypoints_of(set));
+    snprintf(wrong, sizeof wrong, "%d keypoints, but %s has %d", count, name_of(set), keypoints_of(set));
     return wrong;
 }
 
@@ -122,9 +120,8 @@ static void write_placement(const answer *out, int lifted)
     else
         fputs(",\"placement\":null", stdout);
     if (lifted && strcmp(out->placed, "ok") == 0)
-        printf(",\"root\":[%.6g,%.6g,%.6g],\"reprojection\":%.6g,\"focal\":%.6g",
-               (double)out->root.x, (double)out->root.y, (double)out->root.z,
-               (double)out->reprojection, (double)out->focal);
+        printf(",\"root\":[%.6g,%.6g,%.6g],\"reprojection\":%.6g,\"focal\":%.6g", (double)out->root.x,
+               (double)out->root.y, (double)out->root.z, (double)out->reprojection, (double)out->focal);
     else
         fputs(",\"root\":null,\"reprojection\":null,\"focal\":null", stdout);
 }
@@ -134,15 +131,14 @@ static void write_jsonl(const char *line, const answer *out, const options *set)
 {
     const int lifted = strcmp(out->status, "ok") == 0;
     if (line != NULL && is_object(line) && name_of_answer(line, set) == NULL)
-        printf(json_first(line) != NULL ? "%.*s," : "%.*s",
-               (int)(json_value(line, JSON_DEPTH) - 1 - line), line);
+        printf(json_first(line) != NULL ? "%.*s," : "%.*s", (int)(json_value(line, JSON_DEPTH) - 1 - line),
+               line);
     else
         putchar('{');
     printf("\"status\":\"%s\"", out->status);
     for (int j = 0; j < EDML_JOINTS && lifted; j++)
-        printf("%s[%.6g,%.6g,%.6g]", j == 0 ? ",\"joints\":[" : ",",
-               (double)out->pose.joint[j].x, (double)out->pose.joint[j].y,
-               (double)out->pose.joint[j].z);
+        printf("%s[%.6g,%.6g,%.6g]", j == 0 ? ",\"joints\":[" : ",", (double)out->pose.joint[j].x,
+               (double)out->pose.joint[j].y, (double)out->pose.joint[j].z);
     if (lifted)
         printf("],\"mirror_margin\":%.6g,\"residual\":%.6g", (double)out->pose.mirror_margin,
                (double)out->pose.residual);

@@ -9,6 +9,9 @@
 #include <stddef.h>
 
 #include "edmlift.h"
+#include "edmlift/body.h"
+#include "edmlift/camera.h"
+#include "edmlift/video.h"
 
 enum { EXIT_OK = 0, EXIT_BAD_LINES = 1, EXIT_TROUBLE = 2 };
 enum { KEYPOINTS_MAX = 255 }; /* of a format */
@@ -17,23 +20,23 @@ typedef struct {
     const edml_model *model;
     const edml_format *format; /* NULL: the joints of edml_lift() themselves */
     float threshold;           /* a confidence up to this is none */
-    float width, height;       /* pixels, for a format that counts in shares of the image */
+    float width, height;       /* pixels, for a normalised format */
     float focal;               /* pixels; 0: not given */
     edml_camera camera;        /* fx 0: none */
     int sweep;                 /* look for the focal length */
     int track;                 /* the lines are a video ... */
     float fps;                 /* ... of so many frames a second; 0: the lines have their times */
-    edml_person owner;         /* height 0: not given */
+    edml_body body;            /* height 0: not given */
     int quality;               /* tell it */
     int header, json, fixed;
 } options;
 
-/* What comes of a line. */
+/* The answer to a line. */
 typedef struct {
-    const char *status;        /* with any but "ok" there is nothing more */
-    edml_pose pose;            /* turned as it was placed, if it was */
+    const char *status; /* nothing follows any but "ok" */
+    edml_pose pose;     /* rotated as it was placed, if it was */
     float quality;
-    const char *placed;        /* with any but "ok" there is nothing more */
+    const char *placed;        /* nothing follows any but "ok" */
     edml_point root;           /* mid-hip before the camera, metres */
     float reprojection, focal; /* pixels */
 } answer;
@@ -66,7 +69,7 @@ typedef struct {
 extern const line_format csv, jsonl;
 void print_csv_header(const options *set);
 
-/* Lifts, sizes and places in whole numbers; a coordinate that they cannot hold is not finite. */
+/* Lifts, sizes and places in integers; a coordinate that they cannot hold is not finite. */
 edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set);
 
 /* Takes a placement, or none, for the answer. */

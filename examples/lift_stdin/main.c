@@ -10,14 +10,14 @@
 
 enum { LINE_MAX_BYTES = 65536 };
 
-#define LARGEST_SHARE 10.0F /* of the image, that a keypoint outside of it may have */
+#define MAX_NORMALISED 10.0F /* a keypoint outside the image may be this far off, in image sizes */
 
 typedef enum { LINE_END, LINE_READ, LINE_TOO_LONG } line_result;
 
 static int is_blank(int c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/* Reads a line without its end and its leading blanks, whatever bytes it holds.  Of one that is
- * too long the beginning is kept, the rest read and dropped. */
+/* Reads a line without its end and its leading blanks, whatever bytes it holds.  A line that is too long
+ * is read to its end; its beginning is kept. */
 static line_result read_line(char line[LINE_MAX_BYTES + 1], size_t longest, size_t *length)
 {
     size_t bytes = 0, kept = 0;
@@ -53,15 +53,16 @@ void take_placement(answer *out, edml_status status, const edml_placement *place
     }
 }
 
-static void place(answer *out, const edml_keypoint joints[EDML_JOINTS], const options *set,
-                  edml_work *work)
+static edml_fconv_work work; /* large enough for every model */
+
+static void place(answer *out, const edml_keypoint joints[EDML_JOINTS], const options *set)
 {
     edml_placement placement;
     edml_camera camera = set->camera;
-    const edml_status status =
-        set->sweep ? edml_place_sweep(&placement, &camera, &out->pose, joints, set->width,
-                                      set->height, work)
-                   : edml_place(&placement, &out->pose, joints, &camera, work);
+    const edml_status status = set->sweep ? edml_place_sweep(&placement, &camera, &out->pose, joints,
+                                                             set->width, set->height, &work, sizeof work)
+                                          : edml_place(&placement, &out->pose, joints, &camera, &work,
+                                                       sizeof work);
     take_placement(out, status, &placement, camera.fx);
 }
 
@@ -73,22 +74,23 @@ typedef struct {
 } video;
 
 static edml_status lift_frame(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], video *before,
-                              const options *set, edml_work *work)
+                              const options *set)
 {
-    if (!set->track) return edml_lift(pose, in, set->model, work);
+    if (!set->track) return edml_lift(pose, in, set->model, &work, sizeof work);
     const double ms = set->fps > 0 ? 1000.0 * (double)before->frame / (double)set->fps
                                    : 1000.0 * before->time + 0.5;
     const uint32_t time = (uint32_t)fmod(floor(ms), 4294967296.0);
-    return edml_track_lift(pose, &before->track, in, time, set->model, work);
+    return edml_track_lift(pose, &before->track, in, time, set->model, &work, sizeof work);
 }
 
-/* Keypoints in shares of the image become pixels; NULL or what is wrong with them. */
+/* Multiplies normalised keypoints by the size of the image; returns NULL or what is wrong with them. */
 static const char *to_pixels(edml_keypoint in[], const options *set)
 {
-    if (set->format == NULL || !set->format->shares) return NULL;
+    if (set->format == NULL || !set->format->normalised) return NULL;
     for (int n = 0; n < keypoints_of(set); n++) {
-        if (in[n].c > 0 && (fabsf(in[n].x) > LARGEST_SHARE || fabsf(in[n].y) > LARGEST_SHARE))
-            return "keypoints are to be shares of the image, 0 to 1 within it, not pixels";
+        if (in[n].c > 0 && (fabsf(in[n].x) > MAX_NORMALISED || fabsf(in[n].y) > MAX_NORMALISED))
+            return "keypoints of this format are normalised, 0 to 1 within the image; these look like "
+                   "pixels";
         in[n].x *= set->width;
         in[n].y *= set->height;
     }
@@ -98,20 +100,19 @@ static const char *to_pixels(edml_keypoint in[], const options *set)
 static edml_status lift(answer *out, const edml_keypoint in[], video *before, const options *set)
 {
     edml_keypoint joints[EDML_JOINTS];
-    edml_work work;
     if (set->fixed) return lift_fixed(out, in, set);
     if (set->format != NULL) edml_adapt(joints, in, set->format);
     const edml_keypoint *seen = set->format != NULL ? joints : in;
-    edml_status status = lift_frame(&out->pose, seen, before, set, &work);
+    edml_status status = lift_frame(&out->pose, seen, before, set);
     if (status != EDML_OK) return status;
     if (set->track) { /* what it was lifted from */
         if (seen != joints) memcpy(joints, seen, sizeof joints);
-        edml_track_sort(joints, &before->track);
+        edml_track_swap_sides(joints, &before->track);
         seen = joints;
     }
-    if (set->quality) out->quality = edml_quality(&out->pose, seen);
-    if (set->owner.height > 0) status = edml_fit_person(&out->pose, &set->owner);
-    if (status == EDML_OK && places(set)) place(out, seen, set, &work);
+    if (set->quality) status = edml_quality(&out->quality, &out->pose, seen);
+    if (status == EDML_OK && set->body.height > 0) status = edml_fit_body(&out->pose, &set->body);
+    if (status == EDML_OK && places(set)) place(out, seen, set);
     return status;
 }
 
@@ -159,13 +160,12 @@ static unsigned long lift_lines(const line_format *lines, const options *set)
     before.frame = 0;
     before.time = 0;
     snprintf(too_long, sizeof too_long, "longer than %d bytes", lines->longest);
-    while (!ferror(stdout) &&
-           (result = read_line(buffer, (size_t)lines->longest, &length)) != LINE_END) {
+    while (!ferror(stdout) && (result = read_line(buffer, (size_t)lines->longest, &length)) != LINE_END) {
         const int mark = ++number == 1 && strncmp(buffer, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0; /* BOM */
         const char *line = buffer + mark + strspn(buffer + mark, " \t\r");
         if (*line == '#' || line == buffer + length) continue;
         const int whole = result == LINE_READ && strlen(buffer) == length;
-        const char *wrong = whole                     ? lift_line(lines, line, number, &before, set, &refused)
+        const char *wrong = whole ? lift_line(lines, line, number, &before, set, &refused)
                             : result == LINE_TOO_LONG ? too_long
                                                       : "holds a zero byte";
         before.frame++;

@@ -9,7 +9,8 @@
 
 #include "lift_stdin.h"
 
-static const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_q15, &edml_fconn_q7};
+static const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8,
+                                           &edml_fconv_f32, &edml_fconv_w8};
 enum { MODELS = (int)(sizeof models / sizeof models[0]), FIRST_QUANTISED = 1 };
 
 static const char usage[] =
@@ -18,24 +19,24 @@ static const char usage[] =
     "\n"
     "Input: x y or x y c of each keypoint, in pixels, y down, separated by commas or blanks; c is a\n"
     "confidence, c <= 0 means not seen; without c all were seen, also one at 0 0.  Without --format\n"
-    "the keypoints are the 14 joints that the networks take: head top, neck, right shoulder, elbow,\n"
+    "the keypoints are the 14 joints that the networks take: head, neck base, right shoulder, elbow,\n"
     "wrist, left shoulder, elbow, wrist, right hip, knee, ankle, left hip, knee, ankle.  Blank lines\n"
-    "and those that start with # are skipped.\n"
+    "and lines that start with # are skipped.\n"
     "\n"
     "Output: status,x0,y0,z0,...,x13,y13,z13,mirror_margin,residual in metres: x right, y down,\n"
     "z away from the camera, origin between the hips.  A pose that cannot be lifted has a status\n"
     "other than ok and empty fields: too_few_joints (under 10 seen), not_finite (NaN or infinity),\n"
-    "degenerate (on a point or a line, or like no person), unusual (3.5 times wider than high), or\n"
-    "time (with --track, not later than the one before).  A line that is not a pose has bad_line.\n"
+    "degenerate (on a point or a line, or like no person), aspect (over 3.5 times wider than high),\n"
+    "or time (with --track, not later than the one before).  A line that is not a pose has bad_line.\n"
     "\n"
     "  --format NAME   keypoints of a detector, such as coco17; --list-formats has all\n"
-    "  --image W,H     size of the image in pixels, for --focal and for blazepose33, which counts in\n"
-    "                  shares of it\n"
+    "  --image W,H     size of the image in pixels, for --focal and for blazepose33, whose keypoints\n"
+    "                  are normalised by it\n"
     "  --camera FX,FY,CX,CY\n"
     "                  place each pose before this camera (pixels): fields placement (ok, or why not),\n"
     "                  root_x, root_y, root_z (mid-hip, metres from the camera), reprojection (RMS,\n"
-    "                  pixels) and focal follow; the joints are about the root and turned as placed,\n"
-    "                  or, where placement is not ok, as without a camera;\n"
+    "                  pixels) and focal follow; the joints are relative to the root and rotated as\n"
+    "                  placed or, where placement is not ok, as without a camera;\n"
     "                  with --json, members \"placement\", \"root\":[x,y,z], \"reprojection\", \"focal\"\n"
     "  --focal F       the same with this focal length and the middle of the image; --focal sweep\n"
     "                  looks for the one that fits best: distances are then a guess\n"
@@ -43,13 +44,12 @@ static const char usage[] =
     "  --quality       a field quality follows residual: 0 to 1, the chance of a mean error under 100 mm\n"
     "  --json          lines of JSON: objects with \"keypoints\":[[x,y,c],...], where a keypoint may be\n"
     "                  [x,y], null or [null,null], and all of them null or [] where nobody is; each\n"
-    "                  comes out with all its members, a bad one, too, and \"status\",\n"
+    "                  comes out with all its members, a bad one as well, and \"status\",\n"
     "                  \"joints\":[[x,y,z],...], \"mirror_margin\" and \"residual\"\n"
     "  --track FPS     the lines are a video of one person, so many frames a second: steady its motion;\n"
     "                  --track t: at the times that the objects of --json have, \"t\", in seconds;\n"
     "                  a line that is not a pose is a frame without one; one video a run\n"
-    "  --model NAME    form of FConn to use (default: the first of --list-models; with --fixed\n"
-    "                  fconn_q15)\n"
+    "  --model NAME    network (default: fconn_f32; with --fixed fconn_w16); --list-models has all\n"
     "  --fixed         lift in fixed point, as on a core without an FPU; coordinates must be within\n"
     "                  8192 pixels\n"
     "  --threshold C   keypoints with confidence <= C are not seen (default: 0)\n"
@@ -59,10 +59,10 @@ static const char usage[] =
     "  --help          print this and exit\n"
     "  --version       print the version and exit\n"
     "\n"
-    "Exit status: 0, also where poses were refused; 1 if there was a bad line; 2 if input or output\n"
-    "failed, or for a wrong option.\n";
+    "Exit status: 0, also if poses were refused; 1 after a bad line; 2 after a wrong option, or if input\n"
+    "or output failed.\n";
 
-/* Value of an option, given as "--name value" or "--name=value"; NULL if `arg` is another one. */
+/* The value of an option, given as "--name value" or "--name=value"; NULL if this is another option. */
 static const char *option_value(const char *name, char **argv, int *i)
 {
     const size_t length = strlen(name);
@@ -181,10 +181,10 @@ static void set_track(options *set, const char *text)
 
 static void set_height(options *set, const char *text)
 {
-    edml_pose none = {{{0, 0, 0}}, 0, 0, 0}; /* fits no one, whose height is one or not */
-    const int read = read_list(&set->owner.height, 1, text);
-    if (read && set->owner.height > 0 && edml_fit_person(&none, &set->owner) != EDML_ERR_PERSON)
-        return;
+    edml_pose zero = {
+        {{0, 0, 0}}, 0, 0, 0}; /* edml_fit_body() fails later with it than with a bad height */
+    const int read = read_list(&set->body.height, 1, text);
+    if (read && set->body.height > 0 && edml_fit_body(&zero, &set->body) != EDML_ERR_BODY) return;
     fprintf(stderr, "lift_stdin: --height must be a person's, 0.5 to 2.5 metres, not '%s'\n", text);
     exit(EXIT_TROUBLE);
 }
@@ -196,14 +196,9 @@ static int set_value(options *set, char **argv, int *i)
         const char *name;
         void (*set)(options *set, const char *value);
     } settings[] = {
-        {"--model", set_model},
-        {"--format", set_format},
-        {"--threshold", set_threshold},
-        {"--image", set_image},
-        {"--camera", set_camera},
-        {"--focal", set_focal},
-        {"--track", set_track},
-        {"--height", set_height},
+        {"--model", set_model}, {"--format", set_format}, {"--threshold", set_threshold},
+        {"--image", set_image}, {"--camera", set_camera}, {"--focal", set_focal},
+        {"--track", set_track}, {"--height", set_height},
     };
     for (unsigned n = 0; n < sizeof settings / sizeof *settings; n++) {
         const char *value = option_value(settings[n].name, argv, i);
@@ -235,7 +230,7 @@ static void print_and_exit(const char *option)
 static void finish_camera(options *set)
 {
     if (set->focal == 0 && !set->sweep) return;
-    if (set->camera.fx > 0) refuse("--camera has a focal length; --focal is for want of it");
+    if (set->camera.fx > 0) refuse("--camera has a focal length: give either it or --focal");
     if (set->width == 0) refuse("--focal needs the size of the image: --image WIDTH,HEIGHT");
     if (set->sweep) return;
     const edml_camera camera = {set->focal, set->focal, set->width / 2, set->height / 2};
@@ -265,16 +260,16 @@ options read_options(char **argv)
         }
     }
     if (set.model == NULL) set.model = models[set.fixed ? FIRST_QUANTISED : 0];
-    if (set.fixed && set.model == &edml_fconn_f32)
-        refuse("--fixed takes a quantised network, fconn_q15 or fconn_q7, not fconn_f32");
-    const int shares = set.format != NULL && set.format->shares;
-    if (shares && set.width == 0)
-        refuse("this format counts in shares of the image: say its size with --image WIDTH,HEIGHT");
+    if (set.fixed && edml_model_work_bytes_q(set.model) == 0)
+        refuse("--fixed needs a quantised network: fconn_w16, fconn_w8 or fconv_w8");
+    const int normalised = set.format != NULL && set.format->normalised;
+    if (normalised && set.width == 0)
+        refuse("keypoints of this format are normalised: give the image's size with --image WIDTH,HEIGHT");
     finish_camera(&set);
-    if (!shares && set.focal == 0 && !set.sweep && set.width != 0)
-        refuse("--image is for --focal, and for formats in shares of the image");
-    if (set.fixed && set.track) refuse("--track is in float, not for --fixed");
-    if (set.quality && set.track) refuse("--quality is of single lifts, not for --track");
+    if (!normalised && set.focal == 0 && !set.sweep && set.width != 0)
+        refuse("--image is for --focal and for normalised formats");
+    if (set.fixed && set.track) refuse("--track works in float only: give either it or --fixed");
+    if (set.quality && set.track) refuse("--quality is of single lifts: give either it or --track");
     if (set.track && set.fps == 0 && !set.json) refuse("--track t is for --json, whose objects have a t");
     if (set.json && set.header) refuse("--header is not for --json");
     return set;

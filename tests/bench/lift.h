@@ -1,27 +1,31 @@
-/* One lift of a made-up pose: of edml_lift, or of edml_lift_q24 with -DFIXED; of their twins for FConv
- * with -DFCONV; MODEL is the model.
+/* One lift of a made-up pose, with MODEL: in float, or in fixed point with -DFIXED; with the work memory of
+ * FConv with -DFCONV.
  *
  * SPDX-License-Identifier: MIT
  */
 #ifdef FIXED
-#include "real_q24.h"
+#include "api/api_q.h"
 #else
-#include "real_f32.h"
+#include "api/api_f32.h"
 #endif
+#include "network/model.h"
 
 #ifndef MODEL
 #define MODEL edml_fconn_f32
 #endif
 
+#if defined(FCONV) && defined(FIXED)
+typedef edml_fconv_work_q work_memory;
+#elif defined(FCONV)
+typedef edml_fconv_work work_memory;
+#else
+typedef edml_work work_memory;
+#endif
+
 #define STAGE static __attribute__((noinline)) void /* so that its cost can be told */
 
-static keypoint in[EDML_JOINTS];
-static pose out;
-#ifdef FCONV
-static fconv_work_memory fconv_work;
-#define work (fconv_work.lift)
-STAGE stage_lift(void) { NAME(edml_lift_fconv)(&out, in, &MODEL, &fconv_work); }
-#else
+static edml_keypoint in[EDML_JOINTS];
+static edml_pose out;
 static work_memory work;
-STAGE stage_lift(void) { NAME(edml_lift)(&out, in, &MODEL, &work); }
-#endif
+
+STAGE stage_lift(void) { edml_lift(&out, in, &MODEL, &work, sizeof work); }

@@ -10,10 +10,10 @@ enum { POSES = 4, STEPS = 10 }; /* its work hardly depends on the pose */
 enum { POSES = 64, STEPS = 10 };
 #endif
 
-static keypoint partly[EDML_JOINTS]; /* `in` without knees and ankles */
+static edml_keypoint partly[EDML_JOINTS]; /* `in` without knees and ankles */
 static real edm[EDML_PAIRS], distance[EDML_PAIRS];
 static point x[EDML_JOINTS];
-static placement placed;
+static edml_placement placed;
 
 /* A person of about 400 pixels' height, each joint off by up to 20 pixels. */
 static void make_pose(int i)
@@ -21,7 +21,7 @@ static void make_pose(int i)
     static const int16_t person[EDML_JOINTS][2] = {
         {512, 240}, {508, 301}, {461, 318}, {452, 387}, {489, 440}, {556, 317}, {571, 389},
         {561, 447}, {478, 466}, {470, 561}, {463, 655}, {537, 465}, {551, 556}, {590, 640}};
-    static const keypoint unseen = {0, 0, 0};
+    static const edml_keypoint unseen = {0, 0, 0};
     uint32_t seed = 2654435761U * (uint32_t)(i + 1);
     for (int j = 0; j < EDML_JOINTS; j++) {
         int32_t at[2]; /* pixels, Q16 */
@@ -30,54 +30,49 @@ static void make_pose(int i)
             at[k] = (person[j][k] - 20) * 65536 + (int32_t)(seed >> 16) * 40;
         }
 #ifdef FIXED
-        const keypoint seen = {at[0], at[1], 32767};
+        const edml_keypoint seen = {at[0], at[1], 32767};
 #else
-        const keypoint seen = {(float)at[0] / 65536.0F, (float)at[1] / 65536.0F, 1.0F};
+        const edml_keypoint seen = {(float)at[0] / 65536.0F, (float)at[1] / 65536.0F, 1.0F};
 #endif
         in[j] = partly[j] = seen;
     }
     partly[EDML_R_KNEE] = partly[EDML_R_ANKLE] = partly[EDML_L_KNEE] = partly[EDML_L_ANKLE] = unseen;
 }
 
-static void edm_of(const keypoint joints[EDML_JOINTS])
+static void edm_of(const edml_keypoint joints[EDML_JOINTS])
 {
-    NAME(edml_edm)(edm, joints, 10, SETTING(MODEL.widest), MODEL.completion);
+    edml_edm(edm, joints, 10, PARAM(MODEL.max_aspect), MODEL.imputation);
 }
 
-STAGE stage_guess(void) { edm_of(partly); }
+STAGE stage_impute(void) { edm_of(partly); }
 STAGE stage_edm(void) { edm_of(in); }
-#ifdef FCONV
-STAGE stage_net(void) { NAME(edml_net_fconv)(distance, edm, &MODEL, &fconv_work); }
-#else
-STAGE stage_net(void) { NAME(edml_net)(distance, edm, &MODEL, &work); }
-#endif
-STAGE stage_mds(void) { NAME(edml_mds)(x, distance, &work); }
-STAGE stage_refine(void) { NAME(edml_refine)(x, distance, EDML_STRESS_SQUARE, STEPS, &work); }
-STAGE stage_mirror(void) { NAME(edml_mirror)(x, &MODEL); }
-STAGE stage_orient(void) { NAME(edml_orient)(x, in, 0x3FFF); }
+STAGE stage_predict(void) { edml_predict(distance, edm, &MODEL, &work, sizeof work); }
+STAGE stage_mds(void) { edml_mds(x, distance, (edml_work *)&work); }
+STAGE stage_refine(void) { edml_refine(x, distance, EDML_STRESS_SQUARE, STEPS, (edml_work *)&work); }
+STAGE stage_mirror(void) { edml_mirror(x, &MODEL); }
+STAGE stage_orient(void) { edml_orient(x, in, 0x3FFF); }
+STAGE stage_fuse(void) { edml_fuse(x, in, 0x3FFF, &MODEL); }
 
-STAGE stage_blend(void) { NAME(edml_blend)(x, in, 0x3FFF, &MODEL); }
-
-/* What lift.h lifted, before a camera of 1145 pixels' focal length. */
+/* What lift.h lifted, before a camera with a focal length of 1145 pixels. */
 STAGE stage_place(void)
 {
 #ifdef FIXED
-    static const camera by = {1145 << 16, 1145 << 16, 500 << 16, 500 << 16};
+    static const edml_camera camera = {1145 << 16, 1145 << 16, 500 << 16, 500 << 16};
 #else
-    static const camera by = {1145, 1145, 500, 500};
+    static const edml_camera camera = {1145, 1145, 500, 500};
 #endif
-    NAME(edml_place)(&placed, &out, in, &by, &work);
+    edml_place(&placed, &out, in, &camera, &work, sizeof work);
 }
 
-/* In the order in which data flow, the EDM of joints that are partly guessed before that of all; the
- * shipped models' lift goes without the refinement. */
+/* In the order of the data; the EDM of joints that are partly imputed before that of all.  The shipped
+ * models' lift goes without the refinement. */
 static const struct {
     const char *name;
     void (*run)(void);
 } stages[] = {
-    {"guess", stage_guess},   {"edm", stage_edm},       {"net", stage_net},
+    {"impute", stage_impute}, {"edm", stage_edm},       {"predict", stage_predict},
     {"mds", stage_mds},       {"refine", stage_refine}, {"mirror", stage_mirror},
-    {"orient", stage_orient}, {"blend", stage_blend},   {"lift", stage_lift},
+    {"orient", stage_orient}, {"fuse", stage_fuse},     {"lift", stage_lift},
     {"place", stage_place},
 };
 enum { STAGES = (int)(sizeof stages / sizeof stages[0]) };

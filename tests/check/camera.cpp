@@ -9,7 +9,7 @@
 
 #include "camera.inc"
 
-static void copy(edml_placement_q16 *out, const placement *placed)
+static void copy(edml_placement_q *out, const placement *placed)
 {
     for (int j = 0; j < EDML_JOINTS; j++) out->joint[j] = placed->joint[j];
     for (int i = 0; i < 3; i++) out->rotation[i] = placed->rotation[i];
@@ -18,9 +18,9 @@ static void copy(edml_placement_q16 *out, const placement *placed)
     out->steps = placed->steps;
 }
 
-extern "C" edml_status check_place(edml_placement_q16 *out, const edml_pose_q16 *pose,
-                                   const edml_keypoint_q16 in[EDML_JOINTS],
-                                   const edml_camera_q16 *seen_by, check_tally *taken)
+extern "C" edml_status check_place(edml_placement_q *out, const edml_pose_q *pose,
+                                   const edml_keypoint_q in[EDML_JOINTS],
+                                   const edml_camera_q *seen_by, check_tally *taken)
 {
     work_memory work;
     placement placed;

@@ -20,9 +20,9 @@ check_tally tally;
 static void NAME(edml_net)(real distance[EDML_PAIRS], const real edm[EDML_PAIRS],
                            const edml_model *model, work_memory *)
 {
-    int32_t values[EDML_PAIRS], layer[2][EDML_LAYER_WIDEST];
+    int32_t values[EDML_PAIRS], layer[2][EDML_MAX_UNITS];
     for (int k = 0; k < EDML_PAIRS; k++) values[k] = edm[k].value();
-    model->predict_q24(values, values, model, layer);
+    model->predict_q(values, values, model, layer);
     for (int k = 0; k < EDML_PAIRS; k++) distance[k] = values[k];
 }
 
@@ -37,7 +37,7 @@ static void copy(int32_t out[EDML_JOINTS][3], const point x[EDML_JOINTS])
     }
 }
 
-extern "C" edml_status check_lift(edml_pose_q16 *out, const edml_keypoint_q16 in[EDML_JOINTS],
+extern "C" edml_status check_lift(edml_pose_q *out, const edml_keypoint_q in[EDML_JOINTS],
                                   const edml_model *model, check_tally *taken)
 {
     work_memory work;
@@ -48,7 +48,7 @@ extern "C" edml_status check_lift(edml_pose_q16 *out, const edml_keypoint_q16 in
 }
 
 extern "C" void check_points(int32_t out[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
-                             const edml_keypoint_q16 in[EDML_JOINTS], const edml_model *model,
+                             const edml_keypoint_q in[EDML_JOINTS], const edml_model *model,
                              check_tally *taken)
 {
     work_memory work;

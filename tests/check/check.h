@@ -20,34 +20,34 @@ typedef struct {
     long overflows; /* results, or numbers given to DIV and SQRT, that do not fit */
 } check_tally;
 
-/* edml_lift_q24(), and what it took. */
-edml_status check_lift(edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS],
+/* edml_lift_q(), and what it took. */
+edml_status check_lift(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS],
                        const edml_model *model, check_tally *tally);
 
 /* What follows the network in a lift, of any distances: 0 to 3 m, Q24. */
 void check_points(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
-                  const edml_keypoint_q16 in[EDML_JOINTS], const edml_model *model,
+                  const edml_keypoint_q in[EDML_JOINTS], const edml_model *model,
                   check_tally *tally);
 
-/* edml_refine_q24() of the points of check_points() before they are mirrored and turned. */
+/* edml_refine_q() of the points of check_points() before they are mirrored and turned. */
 int check_refine(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
                  edml_objective objective, int steps, check_tally *tally);
 
-/* edml_place_q24(), and what it took. */
-edml_status check_place(edml_placement_q16 *placement, const edml_pose_q16 *pose,
-                        const edml_keypoint_q16 in[EDML_JOINTS], const edml_camera_q16 *camera,
+/* edml_place_q(), and what it took. */
+edml_status check_place(edml_placement_q *placement, const edml_pose_q *pose,
+                        const edml_keypoint_q in[EDML_JOINTS], const edml_camera_q *camera,
                         check_tally *tally);
 
-/* edml_fit_person_q24(), edml_quality_q24() and edml_floor_q24(), and what they took. */
-edml_status check_fit_person(edml_pose_q16 *pose, const edml_person_q16 *owner, check_tally *tally);
-int32_t check_quality(const edml_pose_q16 *pose, const edml_keypoint_q16 in[EDML_JOINTS],
+/* edml_fit_body_q(), edml_quality_q() and edml_stand_q(), and what they took. */
+edml_status check_fit_person(edml_pose_q *pose, const edml_body_q *owner, check_tally *tally);
+int32_t check_quality(const edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS],
                       check_tally *tally);
-edml_status check_floor(edml_point_q16 out[EDML_JOINTS], const edml_pose_q16 *pose,
-                        edml_point_q16 up, check_tally *tally);
+edml_status check_floor(edml_point_q out[EDML_JOINTS], const edml_pose_q *pose,
+                        edml_point_q up, check_tally *tally);
 
-/* edml_limits_q24() and edml_mirror_by_limits_q24(), and what they took. */
-int check_limits(const edml_pose_q16 *pose, check_tally *tally);
-int check_mirror_by_limits(edml_pose_q16 *pose, check_tally *tally);
+/* edml_joint_limits_q() and edml_reflect_by_joint_limits_q(), and what they took. */
+int check_limits(const edml_pose_q *pose, check_tally *tally);
+int check_mirror_by_limits(edml_pose_q *pose, check_tally *tally);
 
 #ifdef __cplusplus
 }

@@ -1,4 +1,4 @@
-/* Lifts every pose on standard input (14 edml_keypoint_q16 each, as they are in memory) in numbers that
+/* Lifts every pose on standard input (14 edml_keypoint_q each, as they are in memory) in numbers that
  * watch themselves, and prints a line of JSON: how many were lifted, the operations of a lift (mean and
  * largest), overflows, and lifts whose result was not that of the library.
  *
@@ -19,16 +19,16 @@ static void print_counts(const char *name, long sum, long largest, long lifted)
 int main(void)
 {
     static const char *const names[KINDS] = {"sums", "products", "ratios", "roots"};
-    edml_keypoint_q16 in[EDML_JOINTS];
-    edml_work_q24 work;
+    edml_keypoint_q in[EDML_JOINTS];
+    edml_work_q work;
     long sum[KINDS] = {0}, largest[KINDS] = {0}, lifted = 0, overflows = 0, differences = 0;
     while (fread(in, sizeof in, 1, stdin) == 1) {
-        edml_pose_q16 pose, watched;
+        edml_pose_q pose, watched;
         check_tally taken;
         memset(&pose, 0, sizeof pose);
         memset(&watched, 0, sizeof watched);
-        const edml_status status = edml_lift_q24(&pose, in, &edml_fconn_q15, &work);
-        if (check_lift(&watched, in, &edml_fconn_q15, &taken) != status ||
+        const edml_status status = edml_lift_q(&pose, in, &edml_fconn_w16, &work, sizeof work);
+        if (check_lift(&watched, in, &edml_fconn_w16, &taken) != status ||
             memcmp(&pose, &watched, sizeof pose) != 0)
             differences++;
         overflows += taken.overflows;

@@ -11,7 +11,7 @@ extern "C" {
 
 #include "limits.inc"
 
-extern "C" int check_limits(const edml_pose_q16 *given, check_tally *taken)
+extern "C" int check_limits(const edml_pose_q *given, check_tally *taken)
 {
     tally = check_tally();
     const int beyond = edml_limits_check(given);
@@ -19,7 +19,7 @@ extern "C" int check_limits(const edml_pose_q16 *given, check_tally *taken)
     return beyond;
 }
 
-extern "C" int check_mirror_by_limits(edml_pose_q16 *given, check_tally *taken)
+extern "C" int check_mirror_by_limits(edml_pose_q *given, check_tally *taken)
 {
     tally = check_tally();
     const int fewer = edml_mirror_by_limits_check(given);

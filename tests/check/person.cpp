@@ -9,7 +9,7 @@
 #include "quality.inc"
 #include "floor.inc"
 
-extern "C" edml_status check_fit_person(edml_pose_q16 *fitted, const edml_person_q16 *owner,
+extern "C" edml_status check_fit_person(edml_pose_q *fitted, const edml_body_q *owner,
                                         check_tally *taken)
 {
     tally = check_tally();
@@ -18,8 +18,8 @@ extern "C" edml_status check_fit_person(edml_pose_q16 *fitted, const edml_person
     return status;
 }
 
-extern "C" int32_t check_quality(const edml_pose_q16 *lifted,
-                                 const edml_keypoint_q16 in[EDML_JOINTS], check_tally *taken)
+extern "C" int32_t check_quality(const edml_pose_q *lifted,
+                                 const edml_keypoint_q in[EDML_JOINTS], check_tally *taken)
 {
     tally = check_tally();
     const int32_t quality = edml_quality_check(lifted, in);
@@ -27,8 +27,8 @@ extern "C" int32_t check_quality(const edml_pose_q16 *lifted,
     return quality;
 }
 
-extern "C" edml_status check_floor(edml_point_q16 out[EDML_JOINTS], const edml_pose_q16 *given,
-                                   edml_point_q16 up, check_tally *taken)
+extern "C" edml_status check_floor(edml_point_q out[EDML_JOINTS], const edml_pose_q *given,
+                                   edml_point_q up, check_tally *taken)
 {
     tally = check_tally();
     const edml_status status = edml_floor_check(out, given, up);

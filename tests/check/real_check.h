@@ -69,8 +69,8 @@ private:
 typedef checked<int32_t> real;
 typedef checked<int64_t> wide;
 typedef real pixels;
-typedef edml_keypoint_q16 keypoint;
-typedef edml_pose_q16 pose;
+typedef edml_keypoint_q keypoint;
+typedef edml_pose_q pose;
 
 struct point {
     real x, y, z;
@@ -81,8 +81,8 @@ struct rotation {
     uint8_t p, q;
 };
 
-typedef edml_point_q16 placed_point;
-typedef edml_person_q16 person;
+typedef edml_point_q placed_point;
+typedef edml_body_q person;
 typedef int32_t reported;
 
 struct camera {
@@ -110,8 +110,8 @@ struct work_memory {
     real distance[EDML_PAIRS];
     NAME(edml_matrix) matrix;
     point x[EDML_JOINTS];
-    struct { /* edml_work_q24 has a union */
-        real layer[2][EDML_LAYER_WIDEST];
+    struct { /* edml_work_q has a union */
+        real layer[2][EDML_MAX_UNITS];
         rotation turn[320];
         point step[4][EDML_JOINTS];
     } use;
@@ -136,7 +136,7 @@ struct work_memory {
 #define GIVEN(a) (real(a) * 256)
 #define FINITE(a) check_range(a)
 #define EXACT_TO (256 << 16)
-#define RUNS(model) ((model)->predict_q24 != NULL)
+#define RUNS(model) ((model)->predict_q != NULL)
 
 static inline bool check_range(int32_t a) { return -(1 << 29) < a && a < 1 << 29; }
 static inline bool check_range(real a) { return check_range(a.value()); }

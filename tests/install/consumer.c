@@ -9,13 +9,13 @@ int main(void)
         {533, 430}, {478, 466}, {470, 561}, {463, 655}, {537, 465}, {551, 556}, {590, 640}};
     edml_keypoint in[EDML_JOINTS];
     edml_pose pose;
-    edml_work work;
+    static edml_work work;
     for (int j = 0; j < EDML_JOINTS; j++) {
         in[j].x = at[j][0];
         in[j].y = at[j][1];
         in[j].c = 1;
     }
-    const edml_status status = edml_lift(&pose, in, &edml_fconn_f32, &work);
+    const edml_status status = edml_lift(&pose, in, &edml_fconn_f32, &work, sizeof work);
     printf("%s %s\n", edml_status_name(status), edml_joint_name(EDML_L_ANKLE));
     return status == EDML_OK ? 0 : 1;
 }

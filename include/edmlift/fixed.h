@@ -1,0 +1,76 @@
+/* edmlift.h in integers: for cores without an FPU.  No float instruction, and the same bits on every
+ * processor.
+ *
+ * A Q16 number is an int32_t with 16 fraction bits: 65536 is 1.  What a type or function means is said at
+ * the one of the same name without `_q` in edmlift.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDMLIFT_FIXED_H
+#define EDMLIFT_FIXED_H
+
+#include "../edmlift.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+    int32_t x, y; /* pixels, Q16, y down; -2^29 < x, y < 2^29 (8192 pixels) */
+    int16_t c;    /* confidence, 32767 is 1; c <= 0: the joint was not seen */
+} edml_keypoint_q;
+
+typedef struct {
+    int32_t x, y, z; /* Q16 */
+} edml_point_q;
+
+typedef struct {
+    edml_point_q joint[EDML_JOINTS]; /* metres, Q16 */
+    int32_t mirror_margin;           /* Q16, log-odds */
+    int32_t residual;                /* Q16, metres */
+    uint16_t seen;
+} edml_pose_q;
+
+void edml_adapt_q(edml_keypoint_q out[EDML_JOINTS], const edml_keypoint_q in[],
+                  const edml_format *format);
+
+typedef struct {
+    int32_t x, y, z; /* metres, Q24: 24 fraction bits */
+} edml_point_q24;
+
+typedef struct {
+    int32_t sine; /* Q24 */
+    uint8_t p, q;
+} edml_jacobi_rotation_q;
+
+/* Work memory of a lift, as edml_work. */
+typedef struct {
+    int32_t distance[EDML_PAIRS], matrix[EDML_JOINTS][EDML_JOINTS];
+    edml_point_q24 x[EDML_JOINTS];
+    union {
+        int32_t layer[2][192];
+        edml_jacobi_rotation_q rotation[320];
+        edml_point_q24 step[4][EDML_JOINTS];
+    } scratch;
+} edml_work_q;
+
+typedef struct { /* of a lift with FConv: 11 KB */
+    edml_work_q lift;
+    int32_t more_scratch[1764];
+} edml_fconv_work_q;
+
+size_t edml_model_work_bytes_q(const edml_model *model); /* of edml_lift_q(); 0: it cannot run it */
+
+/* edml_lift() in integers.  It runs the quantised models, those with 16-bit and 8-bit weights.
+ *   EDML_ERR_NOT_FINITE  also: a coordinate at or beyond the ends of its range, where a saturating
+ *                        conversion puts infinity
+ *   EDML_ERR_DEGENERATE  also: a person under 1/8 pixel tall
+ *   EDML_ERR_MODEL       a float model */
+edml_status edml_lift_q(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS], const edml_model *model,
+                        void *work, size_t work_bytes);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,138 @@
+/* The stages of the lift, in the order of the data (docs/how-it-works.md).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDMLIFT_STAGES_H
+#define EDMLIFT_STAGES_H
+
+#include "../edmlift.h"
+#include "fixed.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Index into the 91 values of an EDM: row by row above the diagonal, 0 <= i < j < 14. */
+#define EDML_PAIR(i, j) ((i) * (2 * EDML_JOINTS - 3 - (i)) / 2 + (j) - 1)
+
+/* The conditional mean of each joint in the image, given all the others: their mean, weighted by the joint's
+ * row.  A row adds up to EDML_IMPUTATION_ONE; its absolute values may add up to 3.4 times that.  The weights
+ * must come from a covariance, as those of tools/fitting/imputation.py do.  The default is that of the shipped
+ * networks' training people. */
+enum { EDML_IMPUTATION_ONE = 4096 };
+typedef struct {
+    int16_t weight[EDML_JOINTS][EDML_JOINTS]; /* a joint's own is 0 */
+} edml_imputation;
+extern const edml_imputation edml_default_imputation;
+
+/* Distances between the joints in the image, normalised: one factor for x and y, so that half the height of
+ * the seen joints is 1 (section 3.1).
+ *   edm            [91], up to about 2 * max_aspect; more if missing joints are imputed far outside
+ *   fewest_joints  that must be seen; else EDML_ERR_TOO_FEW_JOINTS
+ *   max_aspect     of the width to the height of the seen joints; beyond it: EDML_ERR_ASPECT
+ *   imputation     where missing joints are, at most 9; NULL: their pairs are zero
+ * Also returns EDML_ERR_NOT_FINITE and EDML_ERR_DEGENERATE, the latter also for a singular imputation. */
+edml_status edml_edm(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest_joints,
+                     float max_aspect, const edml_imputation *imputation);
+
+/* The 3D distances that the model's network predicts (section 3.2).
+ *   distance  [91] metres, >= 0; may be edm
+ *   edm       [91] from edml_edm()
+ *   EDML_ERR_MODEL, EDML_ERR_WORK_TOO_SMALL  as edml_lift() */
+edml_status edml_predict(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
+                         const edml_model *model, void *work, size_t work_bytes);
+
+typedef struct {
+    float at[EDML_JOINTS][EDML_JOINTS];
+} edml_matrix;
+
+/* Eigenvalues and eigenvectors of a symmetric matrix. */
+typedef struct {
+    float value[EDML_JOINTS];               /* descending */
+    float vector[EDML_JOINTS][EDML_JOINTS]; /* row k belongs to value[k]: unit length, its largest component
+                                               positive */
+    edml_jacobi_rotation rotation[640];     /* work memory */
+} edml_eigen;
+
+/* All eigenpairs by cyclic Jacobi, to rounding.  Only the upper triangle of `a` is read.  The largest |entry|
+ * must be within 2^-50 to 2^56, or zero. */
+void edml_jacobi(edml_eigen *eigen, const edml_matrix *a);
+
+/* Classical multidimensional scaling: the points whose Gram matrix is nearest to that of the distances
+ * (section 3.3).  It computes only the three largest eigenpairs, and not to the last bit: test_mds.c holds a
+ * sample of people, with distances off by up to 100 mm, to 0.05 mm of the full decomposition; rarely, a pose
+ * is further off.
+ *   x         [14] metres, centroid at the origin, principal axes, either mirror image
+ *   distance  [91] metres, at most 4 */
+void edml_mds(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_work *work);
+
+/* What the refinement minimises; d are the points' distances, D the network's. */
+typedef enum {
+    EDML_STRESS_NONE,   /* nothing: keep classical MDS */
+    EDML_STRESS_SQUARE, /* sum (d^2 - D^2)^2, s-stress */
+    EDML_STRESS_RAW,    /* sum (d - D)^2 */
+    EDML_STRESS_EQ2     /* sum |d^2 - D^2|, eq. 2, by reweighting */
+} edml_objective;
+
+/* Moves the points downhill, at most `steps` steps of conjugate gradient.  The objective never rises.
+ * Returns the number of steps taken. */
+int edml_refine(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_objective objective,
+                int steps, edml_work *work);
+
+/* The objective as a mean over the 91 pairs, m^4, m^2 or m^2; 0 for EDML_STRESS_NONE. */
+float edml_stress(const edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
+                  edml_objective objective);
+
+/* Reflects the points if their mirror image is more human (section 3.3): a linear score of how far limbs and
+ * head point forward of the torso.  Returns the margin. */
+float edml_mirror(edml_point x[EDML_JOINTS], const edml_model *model);
+
+/* Rotates the points to the camera's axes: the rotation whose scaled-orthographic image fits the seen joints
+ * best.  Mid-hip becomes the origin.
+ *   seen  bit j: joint j of `in` counts; at least 4
+ *   EDML_ERR_DEGENERATE  no rotation is better than others: points or image are on a line, or do not
+ *                        correlate */
+edml_status edml_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen);
+
+/* Moves the seen joints of a pose of edml_orient() toward where the image has them, the less the more the two
+ * disagree.  Mid-hip stays the origin.
+ *   seen  bit j: joint j of `in` counts */
+void edml_fuse(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
+               const edml_model *model);
+
+/* ---- In fixed point: Q24 ------------------------------------------------------------------------ */
+
+/* Ranges are narrower, and not checked: distances 0 to 3 m; matrices of a Frobenius norm up to 90, whose
+ * eigenpairs are accurate to about 2^-20, absolutely; max_aspect up to 3.75; points of edml_mds_q().
+ * edml_refine_q() takes any points within 63 m on each axis, but leaves them alone where two are 8 m or more
+ * apart.  A stress above 64 is returned as 64. */
+typedef struct {
+    int32_t at[EDML_JOINTS][EDML_JOINTS];
+} edml_matrix_q;
+
+typedef struct {
+    int32_t value[EDML_JOINTS], vector[EDML_JOINTS][EDML_JOINTS];
+    edml_jacobi_rotation_q rotation[640];
+} edml_eigen_q;
+
+edml_status edml_edm_q(int32_t edm[EDML_PAIRS], const edml_keypoint_q in[EDML_JOINTS], int fewest_joints,
+                       int32_t max_aspect, const edml_imputation *imputation);
+edml_status edml_predict_q(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
+                           const edml_model *model, void *work, size_t work_bytes);
+void edml_jacobi_q(edml_eigen_q *eigen, const edml_matrix_q *a);
+void edml_mds_q(edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_PAIRS], edml_work_q *work);
+int edml_refine_q(edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_PAIRS],
+                  edml_objective objective, int steps, edml_work_q *work);
+int32_t edml_stress_q(const edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_PAIRS],
+                      edml_objective objective);
+int32_t edml_mirror_q(edml_point_q24 x[EDML_JOINTS], const edml_model *model);
+edml_status edml_orient_q(edml_point_q24 x[EDML_JOINTS], const edml_keypoint_q in[EDML_JOINTS],
+                          uint16_t seen);
+void edml_fuse_q(edml_point_q24 x[EDML_JOINTS], const edml_keypoint_q in[EDML_JOINTS], uint16_t seen,
+                 const edml_model *model);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,81 @@
+/* Video: steady motion from the frames of a video, one at a time and none delayed (docs/video.md).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDMLIFT_VIDEO_H
+#define EDMLIFT_VIDEO_H
+
+#include "../edmlift.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The trade of the one-euro filter (Casiez, Roussel, Vogel, "1 euro filter", CHI 2012) between noise and lag:
+ * a joint is low-passed at `cutoff` + `slope` * its speed.  HUGE_VALF as cutoff: no filter. */
+typedef struct {
+    float cutoff; /* Hz, > 0; lower is steadier */
+    float slope;  /* Hz per unit of speed, >= 0 and finite; higher lags less in motion */
+} edml_smoothing;
+
+typedef struct {
+    edml_point at, rate; /* rate: per second */
+} edml_moving;
+
+typedef struct {
+    edml_moving image, space;
+    float innovation_x, innovation_y; /* last prediction error (measured minus predicted), body sizes */
+    uint16_t age;                     /* ms since the joint was last seen */
+} edml_tracked_joint;
+
+enum { EDML_SWAPPED_ARMS = 1, EDML_SWAPPED_LEGS = 2 };
+
+/* One person in a video.  The caller keeps one for each person. */
+typedef struct {
+    /* Settings.  edml_track_start() sets those that were measured; change them after it. */
+    edml_smoothing smooth_image; /* of keypoints; speed in body sizes per second.  The body size is the mean
+                                    |x| + |y| of the seen joints from their mean */
+    edml_smoothing smooth_space; /* of poses; speed in m/s */
+    float jitter_full; /* keypoint jitter, in body sizes, at and above which the filters act in full;
+                          steadier keypoints are filtered less.  0: always in full */
+    /* Report on the last frame that was lifted. */
+    float jitter;     /* estimated keypoint jitter, body sizes: mean change of the prediction error from frame
+                         to frame, averaged over about 0.2 s */
+    uint32_t elapsed; /* ms since the last frame; 0: there is none, or it is too long ago */
+    uint16_t held;    /* bit j: joint j was not seen in this frame, but lately */
+    uint8_t swapped;  /* EDML_SWAPPED_ARMS, _LEGS: the detector swapped right and left */
+    uint8_t mirrored; /* 1: not the mirror image that this frame alone would give */
+    /* State. */
+    uint8_t started;
+    uint32_t time; /* ms */
+    float arms_log_odds, legs_log_odds, mirror_log_odds;
+    edml_tracked_joint joint[EDML_JOINTS];
+} edml_track;
+
+void edml_track_start(edml_track *track);
+
+/* edml_lift() of a video's frame, made steady by the frames before.
+ *   pose     smoothed; `seen` is of this frame; `mirror_margin` is of all frames so far, at most 6
+ *   time_ms  of the frame, by any clock of milliseconds; it may wrap around
+ * It undoes the detector's swaps of right and left arms (with shoulders) and legs (with hips); a swap that
+ * lasts for about 0.4 s is believed.  A mirror image that persists is believed as well.  Missing joints stay
+ * where they were, moved along with the others, for 300 ms.  Frames may be dropped; after a second without a
+ * lifted one, the next starts anew.  Takes about 1.2 KB of stack more than edml_lift().
+ * A status other than EDML_OK leaves the track untouched, too.  Besides those of edml_lift():
+ *   EDML_ERR_ARGUMENT        also: a track that was not started, or settings out of range
+ *   EDML_ERR_TIME            not later than the last frame: a frame that was overtaken, a clock that was set
+ *                            back, or over 24 days since; call edml_track_start()
+ *   EDML_ERR_TOO_FEW_JOINTS  also: fewer than 7 seen, however many are held */
+edml_status edml_track_lift(edml_pose *pose, edml_track *track, const edml_keypoint in[EDML_JOINTS],
+                            uint32_t time_ms, const edml_model *model, void *work, size_t work_bytes);
+
+/* Swaps right and left keypoints, in place, where edml_track_lift() found them swapped in the last frame:
+ * edml_place() needs these with its pose.
+ *   in  that frame's */
+void edml_track_swap_sides(edml_keypoint in[EDML_JOINTS], const edml_track *track);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

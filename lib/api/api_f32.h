@@ -1,0 +1,39 @@
+/* The public names and types in float32, where they have no suffix; and the words for them.
+ *
+ *   point            a vector of reals, metres
+ *   pixels           an image coordinate
+ *   confidence       of a keypoint
+ *   api_real         a real as a pose holds it; TO_API and FROM_API convert
+ *   IS_FINITE        is a pixel coordinate or a confidence a number, and in range?
+ *   MIN_MAGNITUDE    the smallest coordinate with full relative precision
+ *   PARAM(n)         an edml_number of the model
+ *   WORK_BYTES(m)    work memory of a lift with the model; 0: it cannot be run
+ *   RUN_NETWORK      runs the model's network
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_API_H
+#define EDML_API_H
+
+#include "edmlift.h"
+#include "edmlift/body.h"
+#include "edmlift/camera.h"
+#include "edmlift/stages.h"
+
+#include "../number/compiler.h"
+#include "../number/real_f32.h"
+
+typedef edml_point point;
+typedef float pixels;
+typedef float confidence;
+typedef float api_real;
+
+#define TO_API(a) (a)
+#define FROM_API(a) (a)
+#define IS_FINITE(a) ((a) - (a) == 0.0F) /* false for NaN and infinity */
+#define MIN_MAGNITUDE 0x1p-125F          /* below, floats lose bits */
+#define PARAM(number) (number).f32
+#define WORK_BYTES(model) (model)->work_bytes
+#define RUN_NETWORK edml__run_network
+
+#endif

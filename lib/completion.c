@@ -1,4 +1,0 @@
-/* SPDX-License-Identifier: MIT */
-#include "edmlift.h"
-
-#include "../gen/completion.h"

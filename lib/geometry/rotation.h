@@ -1,0 +1,121 @@
+/* Rotations, and the one that rotates points best onto others.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_ROTATION_H
+#define EDML_ROTATION_H
+
+#include "vector.h"
+
+/* A matrix by its rows; a rotation's are the axes of one frame in those of another. */
+typedef struct {
+    point x, y, z;
+} matrix3;
+
+static point rotate(const matrix3 *by, point p)
+{
+    const point q = {dot(by->x, p), dot(by->y, p), dot(by->z, p)};
+    return q;
+}
+
+/* By the transposed matrix, which is a rotation's inverse. */
+static point rotate_back(const matrix3 *by, point q)
+{
+    return plus(plus(times(q.x, by->x), times(q.y, by->y)), times(q.z, by->z));
+}
+
+static matrix3 transpose(const matrix3 *r)
+{
+    const matrix3 back = {{r->x.x, r->y.x, r->z.x}, {r->x.y, r->y.y, r->z.y}, {r->x.z, r->y.z, r->z.z}};
+    return back;
+}
+
+static matrix3 compose(const matrix3 *second, const matrix3 *first)
+{
+    const matrix3 both = {rotate_back(first, second->x), rotate_back(first, second->y),
+                          rotate_back(first, second->z)};
+    return both;
+}
+
+/* Rotation of the quaternion (w, v), whose square is between 1/4 and 64. */
+static matrix3 quaternion_rotation(real w, point v)
+{
+    const real ratio = DIV(REAL(2.0), MUL(w, w) + dot(v, v));
+    const point a = times(ratio, v);
+    const real xx = MUL(a.x, v.x), yy = MUL(a.y, v.y), zz = MUL(a.z, v.z);
+    const real xy = MUL(a.x, v.y), xz = MUL(a.x, v.z), yz = MUL(a.y, v.z);
+    const real wx = MUL(a.x, w), wy = MUL(a.y, w), wz = MUL(a.z, w);
+    const matrix3 r = {{REAL(1.0) - yy - zz, xy - wz, xz + wy},
+                       {xy + wz, REAL(1.0) - xx - zz, yz - wx},
+                       {xz - wy, yz + wx, REAL(1.0) - xx - yy}};
+    return r;
+}
+
+/* ---- Absolute orientation (Horn, "Closed-form solution of absolute orientation using unit
+ * quaternions", 1987) ---------------------------------------------------------------------------- */
+
+enum { SQUARINGS = 10 };
+#define PURE_TRACE REAL(0.9999) /* of the square of a matrix of trace 1: one eigenvector is left */
+
+typedef struct {
+    real at[4][4];
+} horn_matrix;
+
+/* Horn's N for points p that are to be rotated onto q; sum q p' = m, whose squares add up to 1.  It is
+ * shifted to have no negative eigenvalue, and divided by its trace. */
+static horn_matrix horn_matrix_of(const matrix3 *m)
+{
+    const real shift = REAL(1.75); /* > sqrt(3), at which N's eigenvalues end */
+    const real xx = m->x.x, yy = m->y.y, zz = m->z.z;
+    horn_matrix n = {{{xx + yy + zz + shift, m->z.y - m->y.z, m->x.z - m->z.x, m->y.x - m->x.y},
+                      {0, xx - yy - zz + shift, m->x.y + m->y.x, m->x.z + m->z.x},
+                      {0, 0, yy - xx - zz + shift, m->y.z + m->z.y},
+                      {0, 0, 0, zz - xx - yy + shift}}};
+    for (int i = 0; i < 4; i++) {
+        for (int j = i; j < 4; j++) {
+            n.at[i][j] = MUL(n.at[i][j], REAL(0.14285714285714286)); /* 1/7 */
+            n.at[j][i] = n.at[i][j];
+        }
+    }
+    return n;
+}
+
+/* Squares a matrix of trace 1 and divides it by its trace.  Returns that trace: 1/4 to 1. */
+static real square_and_scale(horn_matrix *n)
+{
+    horn_matrix square;
+    real trace = 0;
+    for (int i = 0; i < 4; i++) {
+        for (int j = i; j < 4; j++) {
+            real sum = 0;
+            for (int k = 0; k < 4; k++) sum += MUL(n->at[i][k], n->at[k][j]);
+            square.at[i][j] = sum;
+        }
+        trace += square.at[i][i];
+    }
+    for (int i = 0; i < 4; i++)
+        for (int j = i; j < 4; j++) n->at[i][j] = n->at[j][i] = DIV(square.at[i][j], trace);
+    return trace;
+}
+
+/* The rotation r of the largest trace(r' m), whatever the sign of m's determinant; returns 0 if m is zero.
+ * Its quaternion is N's eigenvector of the largest eigenvalue: repeated squaring leaves only that one in the
+ * matrix. */
+static int nearest_rotation(matrix3 *r, const matrix3 *m)
+{
+    const real size = NORM(norm(m->x), norm(m->y), norm(m->z));
+    if (!(size > EPSILON)) return 0;
+    const matrix3 unit = {over(m->x, size), over(m->y, size), over(m->z, size)};
+    horn_matrix n = horn_matrix_of(&unit);
+    for (int k = 0; k < SQUARINGS; k++)
+        if (square_and_scale(&n) > PURE_TRACE) break;
+    int best = 0;
+    for (int k = 1; k < 4; k++)
+        if (n.at[k][k] > n.at[best][best]) best = k;
+    const point v = {n.at[best][1], n.at[best][2], n.at[best][3]};
+    const real scale = REAL(2.0); /* the column's square is its largest entry, 1/4 to 1 */
+    *r = quaternion_rotation(MUL(scale, n.at[best][0]), times(scale, v));
+    return 1;
+}
+
+#endif

@@ -1,0 +1,66 @@
+/* Vectors of three.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_VECTOR_H
+#define EDML_VECTOR_H
+
+#include "../api/api.h"
+
+static inline point plus(point a, point b)
+{
+    const point sum = {a.x + b.x, a.y + b.y, a.z + b.z};
+    return sum;
+}
+
+static inline point minus(point a, point b)
+{
+    const point difference = {a.x - b.x, a.y - b.y, a.z - b.z};
+    return difference;
+}
+
+static inline point times(real scale, point a)
+{
+    const point product = {MUL(scale, a.x), MUL(scale, a.y), MUL(scale, a.z)};
+    return product;
+}
+
+static inline point midpoint(point a, point b)
+{
+    const point half = {(a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2};
+    return half;
+}
+
+static inline void add_multiple(point *sum, real scale, point a)
+{
+    sum->x += MUL(scale, a.x);
+    sum->y += MUL(scale, a.y);
+    sum->z += MUL(scale, a.z);
+}
+
+static inline real dot(point a, point b) { return MUL(a.x, b.x) + MUL(a.y, b.y) + MUL(a.z, b.z); }
+
+static inline real norm(point a) { return NORM(a.x, a.y, a.z); }
+
+static inline point over(point a, real divisor) /* |a| / 128 < divisor */
+{
+    const point quotient = {DIV(a.x, divisor), DIV(a.y, divisor), DIV(a.z, divisor)};
+    return quotient;
+}
+
+/* The unit vector; zero where there is no length.  |a| < 64. */
+static inline point direction(point a)
+{
+    const point zero = {0, 0, 0};
+    const real length = norm(a);
+    return length > EPSILON ? over(a, length) : zero;
+}
+
+static inline point cross(point a, point b)
+{
+    const point product = {MUL(a.y, b.z) - MUL(a.z, b.y), MUL(a.z, b.x) - MUL(a.x, b.z),
+                           MUL(a.x, b.y) - MUL(a.y, b.x)};
+    return product;
+}
+
+#endif

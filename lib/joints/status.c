@@ -1,0 +1,17 @@
+/* Names of statuses.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "edmlift.h"
+
+const char *edml_status_name(edml_status status)
+{
+    switch (status) {
+#define EDML_STATUS_CASE(name, value, text)                                                                \
+    case name:                                                                                             \
+        return text;
+        EDML_STATUSES(EDML_STATUS_CASE)
+#undef EDML_STATUS_CASE
+    }
+    return "?";
+}

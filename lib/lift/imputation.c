@@ -1,0 +1,4 @@
+/* SPDX-License-Identifier: MIT */
+#include "edmlift/stages.h"
+
+#include "../../gen/imputation.h"

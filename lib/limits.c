@@ -1,4 +1,0 @@
-/* SPDX-License-Identifier: MIT */
-#include "limits.h"
-
-#include "../gen/joint_limits.h"

@@ -1,0 +1,4 @@
+/* SPDX-License-Identifier: MIT */
+#include "weights_f32.h"
+
+#include "equivariant.h"

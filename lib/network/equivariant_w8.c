@@ -1,0 +1,4 @@
+/* SPDX-License-Identifier: MIT */
+#include "weights_w8.h"
+
+#include "equivariant.h"

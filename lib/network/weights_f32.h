@@ -1,0 +1,51 @@
+/* Networks in float32.  The words of the networks' texts:
+ *
+ *   WEIGHTS(name)      the name for these weights
+ *   value, activation  what sums are made of; what a layer reads
+ *   weight             one of dense_layer's, which is a layer of these weights
+ *   network_input()    a distance of the EDM, as the network reads it
+ *   soften()           d^2 / (d + EDML_SOFTENING / 4096) instead of d
+ *   activate()         what a row's sum becomes behind the ReLU
+ *   mean_output()      the mean of two sums of the last layer, behind the ReLU
+ *   DOT8               the header that has dot8()
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_WEIGHTS_H
+#define EDML_WEIGHTS_H
+
+#include "../number/real_f32.h"
+#include "model.h"
+
+#define WEIGHTS(name) name##_f32
+typedef float value;
+typedef float activation;
+typedef float weight;
+typedef edml_dense_f32 dense_layer;
+
+static inline float network_input(float distance) { return distance; }
+
+static inline float soften(float distance, float softening)
+{
+    return distance * distance / (distance + softening / 4096);
+}
+
+static inline float activate(float sum, const dense_layer *layer, int row)
+{
+    (void)layer, (void)row;
+    return sum > 0 ? sum : 0;
+}
+
+static inline float mean_output(float a, float b, const dense_layer *layer)
+{
+    (void)layer;
+    return a + b > 0 ? (a + b) * 0.5F : 0;
+}
+
+#define HASH_MULTIPLIERS(hash, layer, rows) (void)0
+
+#if defined(__GNUC__) && defined(__ARM_FP) && defined(__thumb2__)
+#define DOT8 "dot8_vfp.h"
+#endif
+
+#endif

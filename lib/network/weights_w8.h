@@ -1,0 +1,21 @@
+/* Networks in integers, with weights of up to 8 bits.  Maps of FConv hold activations in 16 bits.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_WEIGHTS_H
+#define EDML_WEIGHTS_H
+
+#include "model.h"
+
+#define WEIGHTS(name) name##_w8
+#ifdef EDML_NARROW_ACTIVATIONS
+typedef int16_t activation;
+#else
+typedef int32_t activation;
+#endif
+typedef int8_t weight;
+typedef edml_dense_w8 dense_layer;
+
+#include "weights_integer.h"
+
+#endif

@@ -1,0 +1,24 @@
+/* What the compiler is told beyond C99.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_COMPILER_H
+#define EDML_COMPILER_H
+
+/* EDML_NOINLINE   keep out of line, so that its locals leave the stack before the caller calls deeper
+ * EDML_ALIGN4     weights that may be loaded a word at a time
+ * EDML_INTERNAL   shared by the library's files, and not exported from a shared library */
+#ifdef __GNUC__
+#define EDML_NOINLINE __attribute__((noinline))
+#define EDML_ALIGN4 __attribute__((aligned(4)))
+#else
+#define EDML_NOINLINE
+#define EDML_ALIGN4
+#endif
+#if defined(__GNUC__) && defined(__ELF__)
+#define EDML_INTERNAL __attribute__((visibility("hidden")))
+#else
+#define EDML_INTERNAL
+#endif
+
+#endif

@@ -1,0 +1,52 @@
+/* The arithmetic of the stages in float32; real_q24.h is the one in integers.  Every stage text is
+ * written in these words, and the ranges in its comments are what fixed point relies on.
+ *
+ *   real, wide    a number; one that holds sums beyond the range of a real
+ *   REAL(c)       a constant, >= 0
+ *   Q12(n)        the integer n counts 1 / 4096
+ *   MUL DIV SQRT  of reals; DIV is the ratio of any two like numbers
+ *   HYPOT NORM    length of a vector of two and of three
+ *   ABS TRUNCATE  absolute value; a wide that is known to fit, as a real
+ *   PRODUCT       of two reals, as a wide of finer fraction, for sums of up to 2^23
+ *   SATURATE      a sum of PRODUCTs as a real, clamped to +-64
+ *   IS_NEAR       is a squared distance below 64 m^2?  Beyond that a sum is WIDE_MAX, above all sums
+ *   EPSILON       what rounding may leave of a zero, absolutely; a float's rounding is relative
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_REAL_F32_H
+#define EDML_REAL_F32_H
+
+#include <math.h>
+
+/* A product and a sum round separately, on every processor: fused, they would give other bits. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC optimize("fp-contract=off")
+#endif
+
+/* The compiler may then assume that there is no NaN, and lift one to a pose. */
+#if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
+#error "edmlift refuses NaN and infinity: compile it without -ffast-math and -ffinite-math-only"
+#endif
+
+typedef float real;
+typedef float wide;
+
+#define REAL(constant) constant##F
+#define Q12(a) ((float)(a) * 0x1p-12F)
+#define EPSILON 0.0F
+#define MUL(a, b) ((a) * (b))
+#define DIV(a, b) ((a) / (b))
+#define SQRT(a) sqrtf(a)
+#define HYPOT(a, b) sqrtf((a) * (a) + (b) * (b))
+#define NORM(a, b, c) sqrtf((a) * (a) + (b) * (b) + (c) * (c))
+#define ABS(a) fabsf(a)
+#define TRUNCATE(sum) (sum)
+#define PRODUCT(a, b) ((a) * (b))
+#define SATURATE(sum) (sum)
+#define IS_NEAR(square) 1
+#define WIDE_MAX HUGE_VALF
+
+#endif

@@ -1,0 +1,61 @@
+/* The arithmetic of the stages in integers: a real is an int32_t with 24 fraction bits, from -128 to
+ * 128 in steps of 6e-8.  real_f32.h says what the words mean.
+ *
+ * Nothing saturates and nothing is checked here.  Each stage says why its numbers stay in range;
+ * tests/overflow compiles the stages with numbers that stop at the first one that does not.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_REAL_Q24_H
+#define EDML_REAL_Q24_H
+
+#include <float.h>
+
+#include "fixed.h"
+
+typedef int32_t real;
+typedef int64_t wide;
+
+#define REAL(constant) ((real)((constant) * 16777216.0 + 0.5)) /* folded by the compiler */
+#define Q12(a) ((real)(a) * 4096)
+#define EPSILON 8
+#define MUL(a, b) mul_q24(a, b)
+#define DIV(a, b) edml__divide_q24(a, b) /* error <= 1/2 unit in the last place */
+#define SQRT(a) sqrt_q24(a)              /* error < 1 unit, not too large */
+#define HYPOT(a, b) hypot_q24(a, b, 0)   /* error < 1 unit, not too large; result < 128 */
+#define NORM(a, b, c) hypot_q24(a, b, c) /* the same */
+#define ABS(a) ((a) < 0 ? -(a) : (a))
+#define TRUNCATE(sum) ((real)(sum))
+#define PRODUCT(a, b) product_q40(a, b)
+#define SATURATE(sum) saturate_q40(sum)
+#define IS_NEAR(square) ((square) < INT32_C(64) << 24) /* m^2 */
+#define WIDE_MAX INT64_MAX
+
+/* The compiler rounds constants to Q24: everywhere alike. */
+typedef char doubles_hold_24_fraction_bits[DBL_MANT_DIG >= 53 ? 1 : -1];
+
+/* A negative number that is shifted to the right must round down, as it does everywhere; C leaves it
+ * open. */
+typedef char shifts_are_arithmetic[(-3 >> 1) == -2 ? 1 : -1];
+
+/* To the nearest; |a b| < 128. */
+static inline real mul_q24(real a, real b) { return (real)(((int64_t)a * b + (INT32_C(1) << 23)) >> 24); }
+
+static inline wide product_q40(real a, real b) /* rounded down */ { return ((int64_t)a * b) >> 8; }
+
+static inline real saturate_q40(wide sum)
+{
+    const wide limit = (wide)64 << 40;
+    return (real)(((sum > limit ? limit : sum < -limit ? -limit : sum) + (INT32_C(1) << 15)) >> 16);
+}
+
+static inline real sqrt_q24(real a) { return a > 0 ? (real)edml__root((uint64_t)a << 24) : 0; }
+
+static inline uint64_t square_q24(real a) { return (uint64_t)((int64_t)a * a); } /* <= 2^62 */
+
+static inline real hypot_q24(real a, real b, real c)
+{
+    return (real)edml__root(square_q24(a) + square_q24(b) + square_q24(c));
+}
+
+#endif

@@ -1,0 +1,6 @@
+/* SPDX-License-Identifier: MIT */
+#include "../api/api_f32.h"
+
+#include "body.h"
+#include "quality.h"
+#include "stand.h"

@@ -1,0 +1,6 @@
+/* SPDX-License-Identifier: MIT */
+#include "../api/api_q.h"
+
+#include "body.h"
+#include "quality.h"
+#include "stand.h"

@@ -1,0 +1,84 @@
+/* Least squares of three and of six unknowns, by normal equations.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_LEAST_SQUARES_H
+#define EDML_LEAST_SQUARES_H
+
+#include "../../geometry/rotation.h"
+
+#define SINGULAR_PIVOT REAL(0.000244140625) /* 2^-12: pivots up to this are zero */
+#define MAX_SOLUTION 8                      /* solutions beyond it are none */
+
+static const matrix3 zero_matrix = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+
+/* Solves A x = b for a symmetric positive A by elimination; returns 0 if there is no solution within
+ * MAX_SOLUTION.  A numerator over a pivot d is below sqrt(d) times the root of A's largest entry, 9. */
+static int solve3(point *x, const matrix3 *a, point b)
+{
+    if (!(a->x.x > SINGULAR_PIVOT)) return 0;
+    const real yx = DIV(a->x.y, a->x.x), zx = DIV(a->x.z, a->x.x);
+    const real yy = a->y.y - MUL(yx, a->x.y), yz = a->y.z - MUL(yx, a->x.z);
+    if (!(yy > SINGULAR_PIVOT) || ABS(yz) / 64 >= yy) return 0;
+    const real zy = DIV(yz, yy);
+    const real zz = a->z.z - MUL(zx, a->x.z) - MUL(zy, yz);
+    b.y -= MUL(yx, b.x);
+    b.z -= MUL(zx, b.x) + MUL(zy, b.y);
+    if (!(zz > SINGULAR_PIVOT) || ABS(b.z) / MAX_SOLUTION >= zz || ABS(b.y) / MAX_SOLUTION >= yy) return 0;
+    x->z = DIV(b.z, zz);
+    x->y = DIV(b.y, yy) - MUL(zy, x->z);
+    x->x = DIV(b.x - MUL(a->x.y, x->y) - MUL(a->x.z, x->z), a->x.x);
+    return 1;
+}
+
+/* Adds a b'. */
+static void add_product(matrix3 *sum, point a, point b)
+{
+    sum->x = plus(sum->x, times(a.x, b));
+    sum->y = plus(sum->y, times(a.y, b));
+    sum->z = plus(sum->z, times(a.z, b));
+}
+
+/* Adds a a', upper triangle. */
+static void add_square(matrix3 *sum, point a)
+{
+    sum->x = plus(sum->x, times(a.x, a));
+    sum->y.y += MUL(a.y, a.y);
+    sum->y.z += MUL(a.y, a.z);
+    sum->z.z += MUL(a.z, a.z);
+}
+
+/* Normal equations of a translation and a rotation vector. */
+typedef struct {
+    matrix3 translation, both, rotation; /* both: rotation times translation */
+    point to_translation, to_rotation;
+} equations;
+
+/* Adds the square of what one direction misses. */
+static void add_miss(equations *n, point across, point lever, real miss)
+{
+    add_square(&n->translation, across);
+    add_product(&n->both, lever, across);
+    add_square(&n->rotation, lever);
+    n->to_translation = minus(n->to_translation, times(miss, across));
+    n->to_rotation = minus(n->to_rotation, times(miss, lever));
+}
+
+/* The translation is eliminated first. */
+static int solve_step(point *translation, point *rotation, equations *n)
+{
+    point unrotated;
+    matrix3 k;
+    if (!solve3(&unrotated, &n->translation, n->to_translation) ||
+        !solve3(&k.x, &n->translation, n->both.x) || !solve3(&k.y, &n->translation, n->both.y) ||
+        !solve3(&k.z, &n->translation, n->both.z))
+        return 0;
+    n->rotation.x = minus(n->rotation.x, rotate(&k, n->both.x));
+    n->rotation.y = minus(n->rotation.y, rotate(&k, n->both.y));
+    n->rotation.z = minus(n->rotation.z, rotate(&k, n->both.z));
+    if (!solve3(rotation, &n->rotation, minus(n->to_rotation, rotate(&n->both, unrotated)))) return 0;
+    *translation = minus(unrotated, rotate_back(&k, *rotation));
+    return 1;
+}
+
+#endif

@@ -1,0 +1,178 @@
+/* The scene that a camera sees: joints, lines of sight, and the frame in which both have numbers of about 1.
+ *
+ * The view is the frame of a camera at the same place that looks at the person.  Depths in it are multiplied
+ * by `spread`, the tangent of the person's half angle: so all numbers are about 1, near or far, and the
+ * orthographic camera is the limit of spread 0.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_SCENE_H
+#define EDML_SCENE_H
+
+#include "../../api/pose.h"
+#include "../../geometry/seen.h"
+#include "least_squares.h"
+
+#define MIN_JOINTS 7                 /* from 6, one in some thousand finds another pose */
+#define NEGLIGIBLE_PART 1024         /* a joint with less of all confidence counts as not seen */
+#define MAX_TANGENT 2                /* of a ray to the camera's axis, along x and along y */
+#define MIN_SPREAD REAL(0.001953125) /* 2^-9 */
+#define MIN_SIZE REAL(0.015625)      /* root of a pose's mean square, metres */
+
+typedef struct {
+    point *joint; /* [14] about their mean, in units of `size`: weighted squares add up to 1 */
+    point *ray;   /* [14] x, y: where it was seen, at depth 1; z: root of its weight, 0 if not seen */
+    point *a, *b; /* [14] two directions across the line of sight, with the weight's root */
+    point mean;
+    real size; /* metres */
+    matrix3 view_rotation;
+    matrix3 scatter;    /* joints times joints */
+    matrix3 lines;      /* a times a and b times b */
+    point across, down; /* joints times image */
+    real spread;
+    real depth; /* of the person, along the camera's axis, times spread: before refine_reprojection() */
+} scene;
+
+/* Sets the roots of the weights, which add up to 1. */
+static edml_status set_weights(scene *v, const edml_keypoint in[EDML_JOINTS])
+{
+    uint16_t seen = seen_joints(in);
+    if (!are_finite(in, seen)) return EDML_ERR_NOT_FINITE;
+    pixels total = 0;
+    for (int j = 0; j < EDML_JOINTS; j++)
+        if (is_seen(seen, j)) total += in[j].c;
+    if (!IS_FINITE(total)) return EDML_ERR_NOT_FINITE;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        if (is_seen(seen, j) && in[j].c <= total / NEGLIGIBLE_PART) seen = (uint16_t)(seen & ~(1U << j));
+        v->ray[j].z = is_seen(seen, j) ? SQRT(DIV(in[j].c, total)) : 0;
+    }
+    return count_seen(seen) < MIN_JOINTS ? EDML_ERR_TOO_FEW_JOINTS : EDML_OK;
+}
+
+/* Can a camera have these numbers? */
+static int is_camera(const edml_camera *camera)
+{
+    return IS_FINITE(camera->fx) && IS_FINITE(camera->fy) && IS_FINITE(camera->cx) &&
+           IS_FINITE(camera->cy) && camera->fx > 0 && camera->fy > 0;
+}
+
+static edml_status set_rays(scene *v, const edml_keypoint in[EDML_JOINTS], const edml_camera *camera)
+{
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        if (!(v->ray[j].z > 0)) continue;
+        const pixels x = in[j].x - camera->cx, y = in[j].y - camera->cy;
+        if (ABS(x) / MAX_TANGENT > camera->fx || ABS(y) / MAX_TANGENT > camera->fy) return EDML_ERR_CAMERA;
+        v->ray[j].x = DIV(x, camera->fx);
+        v->ray[j].y = DIV(y, camera->fy);
+    }
+    return EDML_OK;
+}
+
+static real weight_of(const scene *v, int j) { return MUL(v->ray[j].z, v->ray[j].z); }
+
+/* Centres the joints on their mean and scales them; joints that were not seen stay at 0. */
+static edml_status centre_joints(scene *v, const edml_pose *pose)
+{
+    const point zero = {0, 0, 0};
+    point sum = zero;
+    real total = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        add_multiple(&sum, weight_of(v, j), pose_joint(pose, j));
+        total += weight_of(v, j);
+    }
+    v->mean = over(sum, total);
+    real squares = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const point p = minus(pose_joint(pose, j), v->mean);
+        const point weighted = times(v->ray[j].z, p); /* squares add up to 48 m^2 at most */
+        v->joint[j] = v->ray[j].z > 0 ? p : zero;
+        squares += dot(weighted, weighted);
+    }
+    v->size = SQRT(squares);
+    if (v->size < MIN_SIZE) return EDML_ERR_DEGENERATE;
+    v->scatter = zero_matrix;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        v->joint[j] = over(v->joint[j], v->size);
+        const point p = times(v->ray[j].z, v->joint[j]);
+        add_product(&v->scatter, p, p);
+    }
+    return EDML_OK;
+}
+
+/* The smallest rotation that brings the axis of the view to the mean ray. */
+static void set_view_rotation(scene *v)
+{
+    point sum = {0, 0, 0};
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const point ray = {v->ray[j].x, v->ray[j].y, REAL(1.0)};
+        if (v->ray[j].z > 0) add_multiple(&sum, weight_of(v, j), ray);
+    }
+    const point z = over(sum, norm(sum)); /* 1/3 < z.z <= 1, because no ray is steeper than 2 */
+    const real ratio = DIV(REAL(1.0), REAL(1.0) + z.z);
+    const real xy = MUL(ratio, MUL(z.x, z.y));
+    const matrix3 view_rotation = {{REAL(1.0) - MUL(ratio, MUL(z.x, z.x)), -xy, -z.x},
+                                   {-xy, REAL(1.0) - MUL(ratio, MUL(z.y, z.y)), -z.y},
+                                   z};
+    v->view_rotation = view_rotation;
+}
+
+/* Where the rays pass depth 1 of the view, to a; and `spread`, their RMS. */
+static edml_status measure_spread(scene *v)
+{
+    real squares = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const point ray = {v->ray[j].x, v->ray[j].y, REAL(1.0)}, zero = {0, 0, 0};
+        v->a[j] = zero;
+        if (!(v->ray[j].z > 0)) continue;
+        const point seen = rotate(&v->view_rotation, ray);
+        if (2 * seen.z < norm(ray)) return EDML_ERR_CAMERA; /* 60 degrees off: tangents to 1.8 */
+        v->a[j].x = DIV(seen.x, seen.z);
+        v->a[j].y = DIV(seen.y, seen.z);
+        const point weighted = times(v->ray[j].z, v->a[j]);
+        squares += dot(weighted, weighted);
+    }
+    v->spread = SQRT(squares);
+    return v->spread < MIN_SPREAD ? EDML_ERR_DEGENERATE : EDML_OK;
+}
+
+/* Unit vectors across each line of sight, (u, v, 1) in the view: b = (0, 1, -v) / |...| and
+ * a = b x (u, v, 1) / |...|, with depth divided by `spread`, times the weight's root. */
+static void set_lines(scene *v)
+{
+    const point zero = {0, 0, 0};
+    v->across = v->down = zero;
+    v->lines = zero_matrix;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const real x = v->a[j].x, y = v->a[j].y, root = v->ray[j].z;
+        const real wide_x = DIV(x, v->spread), wide_y = DIV(y, v->spread); /* weighted, <= 1 */
+        const point weighted = times(root, v->joint[j]);
+        add_multiple(&v->across, MUL(root, wide_x), weighted);
+        add_multiple(&v->down, MUL(root, wide_y), weighted);
+
+        const real height = HYPOT(REAL(1.0), y);
+        const real root_b = DIV(root, height), root_a = DIV(root_b, HYPOT(height, x));
+        const point b = {0, root_b, -MUL(root_b, wide_y)};
+        const point a = {MUL(root_a, REAL(1.0) + MUL(y, y)), -MUL(root_a, MUL(x, y)), -MUL(root_a, wide_x)};
+        v->a[j] = a;
+        v->b[j] = b;
+        add_product(&v->lines, a, a);
+        add_product(&v->lines, b, b);
+    }
+}
+
+static edml_status set_up_scene(scene *v, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
+                                const edml_camera *camera)
+{
+    if (!is_camera(camera)) return EDML_ERR_CAMERA;
+    if (!is_pose(pose)) return EDML_ERR_NOT_FINITE;
+    edml_status status = set_weights(v, in);
+    if (status == EDML_OK) status = set_rays(v, in, camera);
+    if (status == EDML_OK) status = centre_joints(v, pose);
+    if (status != EDML_OK) return status;
+    set_view_rotation(v);
+    status = measure_spread(v);
+    if (status == EDML_OK) set_lines(v);
+    return status;
+}
+
+#endif
