@@ -48,7 +48,7 @@ def bodies(motion: Motion, ankle: float) -> Bodies:
     lower ankle, plus the length from ears to crown, plus that of a foot: `ankle`, metres.
     """
     subjects = np.unique(motion.subject)
-    ears = motion.joints[:, INDEX["head_top"], 1] - motion.joints[:, ANKLES, 1].min(1)
+    ears = motion.joints[:, INDEX["head"], 1] - motion.joints[:, ANKLES, 1].min(1)
     stand = [np.percentile(ears[motion.subject == s], 99) for s in subjects]
     bone = [bone_lengths(motion.joints[motion.subject == s]).mean(0) for s in subjects]
     return Bodies(subjects, np.array(stand) + ankle + TRAGION_TO_CROWN / 1000, np.array(bone))

@@ -128,10 +128,10 @@ def adapter_error(
     """
     out = points.copy()
     shoulders, hips = skeleton.mid_shoulder(points), mid_hip(points)
-    out[:, skeleton.INDEX["neck"]] = shoulders + neck * (hips - shoulders)
+    out[:, skeleton.INDEX["neck_base"]] = shoulders + neck * (hips - shoulders)
     pixels = FOCAL / mid_hip(camera_joints)[:, 2:]  # per metre
     sigma = rng.choice(ADAPTED_HEAD, (len(points), 1))
-    head = skeleton.INDEX["head_top"]
+    head = skeleton.INDEX["head"]
     out[:, head] += rng.normal(size=(len(points), 2)) * sigma * pixels
     return out
 
@@ -193,6 +193,6 @@ def mix_limbs(
 def _trunk(joints: np.ndarray, right: int, left: int) -> np.ndarray:
     """Axes [F,3,3], a row each: to the left (from joint to joint), up, forward."""
     across = _unit(joints[:, left] - joints[:, right])
-    up = joints[:, skeleton.INDEX["neck"]] - mid_hip(joints)
+    up = joints[:, skeleton.INDEX["neck_base"]] - mid_hip(joints)
     forward = _unit(np.cross(across, up))
     return np.stack([across, np.cross(forward, across), forward], 1)

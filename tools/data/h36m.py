@@ -149,7 +149,7 @@ def _joints(where: str, array, layout: Layout) -> np.ndarray:
 
 def _check_people(where: str, joints: np.ndarray) -> None:
     """Refuses units other than metres, and an axis other than z upwards; medians over a person."""
-    up = joints[:, [INDEX["head_top"]]] - joints[:, indices(("right_ankle", "left_ankle"))]
+    up = joints[:, [INDEX["head"]]] - joints[:, indices(("right_ankle", "left_ankle"))]
     stature = np.median(np.linalg.norm(up, axis=-1))
     if not STATURE_RANGE[0] <= stature <= STATURE_RANGE[1]:
         raise MocapError(f"{where}: the unit is not metres: head top to ankle is {stature:.4g}")

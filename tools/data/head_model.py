@@ -1,15 +1,15 @@
 """Where a detector would see head and neck of people in motion capture: a head model.
 
-Motion capture has two points there, and neither is one that detectors report: `head_top` is the
-end of CMU's head bone, about as high as the ears, and `neck` the end of the thorax bone, below the
+Motion capture has two points there, and neither is one that detectors report: `head` is the end of
+CMU's head bone, about as high as the ears, and `neck_base` the end of the thorax bone, below the
 line of the shoulders.  This module adds the points that detectors report.  They are modelled, not
 measured:
 
 - Sizes are means of 6,068 men and women (ANSUR II: Gordon et al., 2012 Anthropometric Survey of
   U.S. Army Personnel, NATICK/TR-15/007) and, for the eyes' distance in front of the ears, of
   ANSUR 1988.  What is assumed rather than published says so.  A subject's size is that of his legs.
-- The head moves with the line from `neck` to `head_top`.  How far it is turned to a side is not in
-  the data: the turn is drawn.
+- The head moves with the line from `neck_base` to `head`.  How far it is rotated to a side is not
+  in the data: that angle is drawn.
 """
 
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ EYE_BEFORE_EAR = 80.5  # ANSUR 1988
 # Assumed.
 JOINT_BELOW_ACROMION = 40.0  # centre of the shoulder joint, which is what has the joint's name
 NOSE_BEFORE_EAR, NOSE_BELOW_EAR = 120.0, 28.0
-TURN = 30.0  # degrees, standard deviation of the head's turn to a side
+SIDEWAYS = 30.0  # degrees, standard deviation of the head's rotation to a side
 
 SHOULDER = ACROMION - JOINT_BELOW_ACROMION
 EAR = STATURE - TRAGION_TO_CROWN - SHOULDER  # heights above the line of the shoulders
@@ -66,7 +66,8 @@ class Frame:
 def low_necks(joints: np.ndarray, subject: np.ndarray) -> np.ndarray:
     """Mask [F] of the subjects whose neck is below the line of their shoulders, as in CMU's own
     skeletons; those that were retargeted from others have it above."""
-    height = np.einsum("fi,fi->f", joints[:, INDEX["neck"]] - mid_shoulder(joints), _up(joints))
+    rise = joints[:, INDEX["neck_base"]] - mid_shoulder(joints)
+    height = np.einsum("fi,fi->f", rise, _up(joints))
     return _mean_of_each(height, subject) < 0
 
 
@@ -82,17 +83,16 @@ def landmarks(
     torso, head = _torso(joints, size), _head(joints, size, rng)
     shoulder = mid_shoulder(joints)
     # Between the ears: on the head's axis, for every subject as high on the mean as ears are.
-    top = joints[:, INDEX["head_top"]]
+    top = joints[:, INDEX["head"]]
     lack = (EAR + raised) * size / 1000 - np.einsum("fi,fi->f", top - shoulder, torso.up)
     share = np.einsum("fi,fi->f", head.up, torso.up)
     step = _mean_of_each(lack, subject) / _mean_of_each(share, subject)
     ears = top + step[:, None] * head.up
     points = {name: head.at(ears, place) for name, place in HEAD.items()}
-    points["neck_base"] = torso.at(shoulder, (0, NECK_BASE, 0))
-    points["mid_shoulder"] = shoulder
+    neck = torso.at(shoulder, (0, NECK_BASE, 0))
     # The fractions of mmpose (inference_3d.py) between base of the neck and crown.
-    points["h36m_head"] = points["neck_base"] + 7 / 12 * (points["crown"] - points["neck_base"])
-    return points
+    head = neck + 7 / 12 * (points["crown"] - neck)
+    return points | {"collar": neck, "mid_shoulder": shoulder, "h36m_head": head}
 
 
 def _unit(v: np.ndarray) -> np.ndarray:
@@ -129,14 +129,14 @@ def _torso(joints: np.ndarray, size: np.ndarray) -> Frame:
 
 
 def _head(joints: np.ndarray, size: np.ndarray, rng: np.random.Generator) -> Frame:
-    """The torso's axes, tilted to the line from neck to head top and turned at random."""
-    up = _unit(joints[:, INDEX["head_top"]] - joints[:, INDEX["neck"]]).astype(float)
+    """The torso's axes, tilted to the line from neck to head and rotated at random."""
+    up = _unit(joints[:, INDEX["head"]] - joints[:, INDEX["neck_base"]]).astype(float)
     across = joints[:, INDEX["left_shoulder"]] - joints[:, INDEX["right_shoulder"]]
     left = _unit(across - np.einsum("fi,fi->f", across, up)[:, None] * up)
     forward = np.cross(left, up)
-    turn = np.radians(rng.normal(0, TURN, len(joints)))[:, None]
+    angle = np.radians(rng.normal(0, SIDEWAYS, len(joints)))[:, None]
     left, forward = (
-        np.cos(turn) * left + np.sin(turn) * forward,
-        np.cos(turn) * forward - np.sin(turn) * left,
+        np.cos(angle) * left + np.sin(angle) * forward,
+        np.cos(angle) * forward - np.sin(angle) * left,
     )
     return Frame(left, up, forward, size)

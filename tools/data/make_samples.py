@@ -49,8 +49,8 @@ CHANNELS = {
 
 # An adult of 1.75 m holding a T-pose: metres, x forward, y up, z right.
 T_POSE = {
-    "head_top": (0.02, 1.75, 0.00),
-    "neck": (0.00, 1.48, 0.00),
+    "head": (0.02, 1.75, 0.00),
+    "neck_base": (0.00, 1.48, 0.00),
     "right_shoulder": (-0.01, 1.44, 0.18),
     "right_elbow": (-0.02, 1.44, 0.46),
     "right_wrist": (0.00, 1.43, 0.71),
@@ -120,28 +120,30 @@ def read_clip(text: str) -> np.ndarray:
 
 def pose_model(frames: np.ndarray, links: list[Link], head_top: np.ndarray) -> np.ndarray:
     """Forward kinematics: frames [F,44] -> our joints [F,14,3], world, metres."""
-    turns = _rotations(frames)
-    turn = {"base": Rotation.identity(len(frames))}
+    relative = _rotations(frames)
+    rotation = {"base": Rotation.identity(len(frames))}
     place = {"base": frames[:, 1:4]}
     for link in links:
-        place[link.name] = place[link.parent] + turn[link.parent].apply(link.offset)
-        turn[link.name] = turn[link.parent] * turns.get(link.name, Rotation.identity())
-    place["head_top"] = place["neck"] + turn["neck"].apply(head_top)
+        place[link.name] = place[link.parent] + rotation[link.parent].apply(link.offset)
+        own = relative.get(link.name, Rotation.identity())
+        rotation[link.name] = rotation[link.parent] * own
+    place["head"] = place["neck"] + rotation["neck"].apply(head_top)
+    place["neck_base"] = place["neck"]
     return np.stack([place[joint] for joint in JOINTS], 1)
 
 
 def _rotations(frames: np.ndarray) -> dict[str, Rotation]:
     """Each link's rotation [F] relative to its parent."""
-    turns = {}
+    rotations = {}
     column = 4
     for name, width in CHANNELS.items():
         values = frames[:, column : column + width]
         if width == 4:
-            turns[name] = Rotation.from_quat(values[:, [1, 2, 3, 0]])
+            rotations[name] = Rotation.from_quat(values[:, [1, 2, 3, 0]])
         else:
-            turns[name] = Rotation.from_euler("z", values)
+            rotations[name] = Rotation.from_euler("z", values)
         column += width
-    return turns
+    return rotations
 
 
 def view(joints: np.ndarray, yaw: float) -> np.ndarray:

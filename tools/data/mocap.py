@@ -29,8 +29,8 @@ CGSPEED_UNIT = INCH / 0.45  # metres per unit of the well-known BVH conversion o
 
 # The ASF bone whose end is each joint (CMU's names).
 ASF_BONES = {
-    "head_top": "head",
-    "neck": "thorax",
+    "head": "head",
+    "neck_base": "thorax",
     "right_shoulder": "rclavicle",
     "right_elbow": "rhumerus",
     "right_wrist": "rwrist",
@@ -48,8 +48,8 @@ ASF_BONES = {
 # The BVH node that sits at each joint, the most telling name first: `RightShoulder` is the
 # shoulder in old files, but the collar bone's start where there is a `RightArm`.
 BVH_TRUNK = {
-    "head_top": ("Head end", "HeadTop_End", "head end"),
-    "neck": ("Neck", "neck"),
+    "head": ("Head end", "HeadTop_End", "head end"),
+    "neck_base": ("Neck", "neck"),
 }
 BVH_LIMBS = {
     "shoulder": ("{Side}Arm", "{Side}UpArm", "{Side}UpperArm", "{Side}Shoulder", "{s}Shldr"),
@@ -75,7 +75,7 @@ BVH_LOST = {
 }
 
 # Names of joints in files that were made before: their names today.
-OLDER_NAMES = {}
+OLDER_NAMES = {"head_top": "head", "neck": "neck_base"}
 
 STATURE = 1.6  # metres, head top to ankle of an adult ...
 STATURE_RANGE = (0.8, 2.6)  # ... and what may still be a person
@@ -730,7 +730,7 @@ def _checked(motion: Motion, path: Path) -> Motion:
         frame, joint = np.argwhere(~np.isfinite(joints))[0, :2]
         raise MocapError(f"{path}: frame {frame}, {JOINTS[joint]} is not finite")
     ankles = joints[:, indices(("right_ankle", "left_ankle"))]
-    stature = np.median(np.linalg.norm(joints[:, [INDEX["head_top"]]] - ankles, axis=-1))
+    stature = np.median(np.linalg.norm(joints[:, [INDEX["head"]]] - ankles, axis=-1))
     if not STATURE_RANGE[0] <= stature <= STATURE_RANGE[1]:
         raise MocapError(
             f"{path}: the units look wrong: head top to ankle is {stature:.4g} m (median), "

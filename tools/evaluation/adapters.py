@@ -24,7 +24,7 @@ from evaluation.command import Evaluation, Tables, load
 from evaluation.measures import by_subject
 from reports.markdown import Figure, table
 
-HEAD, NECK = INDEX["head_top"], INDEX["neck"]
+HEAD, NECK = INDEX["head"], INDEX["neck_base"]
 EARS, EYES_NOSE = ("left_ear", "right_ear"), ("left_eye", "right_eye", "nose")
 RAISED = {"lower": -40, "higher": 40}  # mm by which the heads may be than modelled
 HEAD_NOISE = cameras.DETECTOR_SHARE[HEAD]
@@ -86,13 +86,13 @@ def ways(library: Library, seen: Detections) -> dict[str, np.ndarray]:
         "h36m17, head": ("h36m17_right_first", ()),
     }
     joints = {
-        "the models' own head and neck": seen.joints("head_top", "neck"),
+        "the models' own head and neck": seen.joints("head", "neck_base"),
         "head and neck missing": seen.joints(None, None),
     }
     for title, (name, hidden) in adapt.items():
         joints[title] = library.adapt(seen.of_format(library, name, hidden), name)
     joints["*not adapted:* crown and upper neck (MPII)"] = seen.joints("crown", "upper_neck")
-    joints["*not adapted:* crown and base of the neck (AIC)"] = seen.joints("crown", "neck_base")
+    joints["*not adapted:* crown and base of the neck (AIC)"] = seen.joints("crown", "collar")
     joints["*not adapted:* eyes and mid-shoulder"] = between(seen)
     return joints
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-import draw
+import edmlift
 from data.paths import EXAMPLES
 from data.triangulate import read_cameras, triangulate
 from edmlift.joints import MIRROR, mid_hip
@@ -21,7 +21,6 @@ from edmlift.metrics import joint_errors, rigid_errors
 from evaluation.command import Evaluation, Tables
 from evaluation.measures import MIRROR_IMAGE
 from reports.markdown import table
-from reports.plots import shrink
 
 DATA = EXAMPLES / "detections"
 CAMERAS = DATA / "beam_cameras.json"
@@ -202,8 +201,7 @@ def picture(library: Library, clips: dict[str, Clip], path: Path) -> None:
     truth = truth - mid_hip(truth)[:, None]
     frames = [len(clips[BEAM[0]].keypoints) * view + frame for view, frame in DRAWN]
     title = "edmlift: detections of BlazePose, lifted, and triangulated from four cameras"
-    draw.draw_sheet(keypoints, poses.joints, poses.status, path, truth, title, frames)
-    shrink(path, path, colours=256)
+    edmlift.draw(poses, path, truth=truth, title=title, frames=frames)
 
 
 def options(parser: argparse.ArgumentParser) -> None:

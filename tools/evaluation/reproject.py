@@ -32,8 +32,8 @@ PARTS = {
     "hands": ("right_wrist", "left_wrist"),
     "elbows": ("right_elbow", "left_elbow"),
     "shoulders": ("right_shoulder", "left_shoulder"),
-    "head": ("head_top",),
-    "neck": ("neck",),
+    "head": ("head",),
+    "neck": ("neck_base",),
 }
 MARGIN = 0.2  # of the joints' box
 

@@ -119,7 +119,9 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("train", type=Path, help="motion to train on")
     parser.add_argument("test", type=Path, help="motion of other people, to measure on")
-    parser.add_argument("--recipes", nargs="+", choices=ABLATIONS, metavar="NAME", default=ABLATIONS)
+    parser.add_argument(
+        "--recipes", nargs="+", choices=ABLATIONS, metavar="NAME", default=list(ABLATIONS)
+    )
     parser.add_argument("--epochs", type=int, help="instead of the recipes'")
     parser.add_argument("--out", type=Path, default=Path("build/recipes"), help="for weights")
     parser.add_argument("--json", type=Path, default=RESULTS, help="for results (%(default)s)")

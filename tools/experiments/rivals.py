@@ -38,7 +38,7 @@ from reports import markdown
 from training.loss import Loss, Params
 from training.recipe import RECIPES, Recipe
 from training.run import Run, every_nth, origin, split
-from training.views import Views, imputation_of, validation_set
+from training.views import Views, draw_2d, imputation_of, pick_poses, validation_set
 
 
 @dataclasses.dataclass(frozen=True)

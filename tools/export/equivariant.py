@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from edmlift.joints import PAIR_TWINS as PAIR_MIRROR
-from edmlift.joints import SELF_TWINS as SELF_MIRRORED
+from edmlift.joints import PAIR_MIRROR, SELF_MIRRORED
 from export.layers import ExportError, Layer, check_layers
 from export.quantise import ACTIVATION, Activate, Plan, edm_value
 from model.constants import EDM_SHIFT, GROUP, INPUT_ZERO_POINT, PAIR_COUNT, Q12, SOFTENING

@@ -10,7 +10,7 @@ import numpy as np
 
 from edmlift.joints import JOINTS
 from export.layers import ExportError, one_line
-from model.constants import MOST_IMPUTED, OBJECTIVES
+from model.constants import MAX_IMPUTED, OBJECTIVES
 from model.manifest import NO_FUSION
 
 # What a model holds of joints that are not seen: how to impute them, or nothing: their pairs are 0.
@@ -62,7 +62,7 @@ class ModelSettings:
         mirror = mirror and all(map(is_number, self.mirror))
         check_setting("mirror", mirror, "five numbers between -128 and 128")
         check_setting("missing", self.missing in MISSING, f"one of {', '.join(MISSING)}")
-        fewest = FEWEST_TO_ORIENT if self.missing == "zero" else len(JOINTS) - MOST_IMPUTED
+        fewest = FEWEST_TO_ORIENT if self.missing == "zero" else len(JOINTS) - MAX_IMPUTED
         check_setting("fewest_joints", self.fewest_joints >= fewest, f"{fewest} or more")
         check_setting("fusion", is_fusion(self.fusion), FUSION_RANGES)
         for name in ("recipe", "data", "calibration", *METRICS.values()):

@@ -65,7 +65,7 @@ class Views:
             "FACE": nose < -FRONTAL * NOSE_BEFORE_EAR / 1000,
         }
         self.shoulder, self.hip = mid_shoulder(image), mid_hip(image)
-        self.head, self.neck = image[:, INDEX["head_top"]], image[:, INDEX["neck"]]
+        self.head, self.neck = image[:, INDEX["head"]], image[:, INDEX["neck_base"]]
 
     def mean(self, *names: str) -> np.ndarray:
         return np.mean([self.points[name] for name in names], 0)
@@ -110,7 +110,7 @@ def report(views: Views, k: dict[str, float]) -> str:
     for rule, point in {
         f"s + {k['TRUNK']:.2f} (h - s)": s + k["TRUNK"] * (views.hip - s),
         "s (OpenPose)": s,
-        "base of the neck (AI Challenger, CrowdPose)": views.mean("neck_base"),
+        "base of the neck (AI Challenger, CrowdPose)": views.mean("collar"),
         "upper neck (MPII, LSP, CPM)": views.mean("upper_neck"),
     }.items():
         rows.append(_row("neck", rule, point - views.neck))

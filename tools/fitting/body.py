@@ -29,7 +29,7 @@ SEED = 5
 POSES = 600  # of each subject, drawn again where it has fewer: every body counts alike
 VIEWS = 8  # of each pose, for uncertainty
 LEG_BONES = slice(7, 13)  # from the neck to the ankles, both sides: half of their sum counts
-JOINT_TYPE = ("head_top", "neck", "shoulder", "elbow", "wrist", "hip", "knee", "ankle")
+JOINT_TYPE = ("head", "neck", "shoulder", "elbow", "wrist", "hip", "knee", "ankle")
 
 
 # ---- People ----------------------------------------------------------------------------------
@@ -138,8 +138,8 @@ def has_hidden_neighbour(seen: np.ndarray) -> np.ndarray:
 
 def joint_types() -> np.ndarray:
     """Row [14] of each joint in the tables."""
-    return np.array([JOINT_TYPE.index(name.split("_")[-1] if "head" not in name else name)
-                     for name in JOINTS])  # fmt: skip
+    kinds = [name.removeprefix("right_").removeprefix("left_") for name in JOINTS]
+    return np.array([JOINT_TYPE.index(kind.removesuffix("_base")) for kind in kinds])
 
 
 def draw_hidden(count: int, rng: np.random.Generator) -> np.ndarray:

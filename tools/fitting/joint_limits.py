@@ -62,7 +62,7 @@ def learn_maps(bone: np.ndarray, parent: np.ndarray) -> np.ndarray:
     seen = np.zeros((PARENT_CELLS, PARENT_CELLS, CELLS, CELLS), bool)
     for beside in around(parent).swapaxes(0, 1):
         of = (cells[:, None] for cells in octahedral(beside, PARENT_CELLS))
-        seen[*of, *octahedral(near)] = True
+        seen[(*of, *octahedral(near))] = True
     poses = np.zeros((PARENT_CELLS, PARENT_CELLS), int)
     np.add.at(poses, octahedral(parent, PARENT_CELLS), 1)
     seen[poses < FEWEST] = seen.any((0, 1))

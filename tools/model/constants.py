@@ -76,25 +76,25 @@ def enumerators(prefix: str) -> tuple[str, ...]:
 
 PAIR_COUNT = integer("EDML_PAIRS")
 WEIGHTS_FORMAT = integer("EDML_WEIGHTS_FORMAT")  # a header of another one does not compile
-MAX_UNITS = integer("EDML_LAYER_WIDEST")  # of a layer
+MAX_UNITS = integer("EDML_MAX_UNITS")  # of a layer
 GROUP = integer("EDML_ROWS")  # outputs that a kernel computes together
 ACTIVATION = integer("EDML_ACTIVATION")  # the largest activation of a quantised network
 EDM_SHIFT = integer("EDML_EDM_SHIFT")  # from Q24 to what a quantised network reads
-CHANNELS = integer("EDML_CHANNELS")  # of FConv, at most
+CHANNELS = integer("FCONV_CHANNELS")  # of FConv, at most
 Q12 = 1 << 12
-SOFTENING = integer("EDML_SOFT")  # Q12, of the person's half height
-INPUT_ZERO_POINT = integer("EDML_MIDDLE")  # Q12, of a softened distance
+SOFTENING = integer("EDML_SOFTENING")  # Q12, of the person's half height
+INPUT_ZERO_POINT = integer("EDML_INPUT_ZERO_POINT")  # Q12, of a softened distance
 
 # ---- Stages of the lift (lib/lift, lib/joints) -----------------------------------------------
 
 OBJECTIVES = enumerators("EDML_STRESS_")  # of the refinement: "none", "square" ...
-MOST_IMPUTED = integer("MOST_GUESSED")  # joints that the impute stage can guess
-LIGHT_RIDGE, LEAST_RIDGE = number("LIGHT"), number("LEAST")  # of the spread
+MAX_IMPUTED = integer("MAX_IMPUTED")  # joints that the impute stage can guess
+LIGHT_RIDGE, MIN_RIDGE = number("ORIENT_LIGHT_RIDGE"), number("ORIENT_MIN_RIDGE")  # of the spread
 NECK_ON_TRUNK = number("TRUNK")  # the neck's place between shoulders (0) and hips (1), adapted
-IMPUTATION_ONE = integer("EDML_COMPLETION_ONE")  # the unit of its table
-JOINT_LIMITS_FORMAT = integer("EDML_LIMITS_FORMAT")
+IMPUTATION_ONE = integer("EDML_IMPUTATION_ONE")  # the unit of its table
+JOINT_LIMITS_FORMAT = integer("EDML_JOINT_LIMITS_FORMAT")
 
-IMPUTATION = GEN / "completion.h"
+IMPUTATION = GEN / "imputation.h"
 
 
 def imputation() -> np.ndarray:

@@ -18,8 +18,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from edmlift.joints import PAIR_TWINS as PAIR_MIRROR
-from edmlift.joints import SELF_TWINS as SELF_MIRRORED
+from edmlift.joints import PAIR_MIRROR, SELF_MIRRORED
 from model import fconn
 from model.constants import Q12, SOFTENING
 

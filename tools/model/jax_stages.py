@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from edmlift.joints import JOINTS, PAIRS
-from model.constants import LEAST_RIDGE, LIGHT_RIDGE
+from model.constants import LIGHT_RIDGE, MIN_RIDGE
 
 COUNT = len(JOINTS)
 TINY = 1e-9
@@ -130,7 +130,7 @@ def orient(points: jax.Array, keypoints: jax.Array) -> jax.Array:
     fit = jnp.einsum("bki,bik->b", pair, products)
     misfit = across * (across - fit**2) / jnp.maximum(fit**2, TINY)
     misfit = jnp.where(fit > 0, jnp.clip(misfit, 0, 1), 1.0)
-    right, down = (rows(LEAST_RIDGE + misfit[:, None, None])[:, k] for k in range(2))
+    right, down = (rows(MIN_RIDGE + misfit[:, None, None])[:, k] for k in range(2))
     axes = jnp.stack([right, down, jnp.cross(right, down)], 1)
     return jnp.einsum("bki,bni->bnk", axes, points)
 

@@ -10,10 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from edmlift.joints import INDEX, PAIRS, mid_hip
-from edmlift.joints import PAIR_TWINS as PAIR_MIRROR
-from edmlift.joints import SELF_TWINS as SELF_MIRRORED
-from model.constants import LEAST_RIDGE, LIGHT_RIDGE, Q12, SOFTENING, imputation
+from edmlift.joints import INDEX, PAIR_MIRROR, PAIRS, SELF_MIRRORED, mid_hip
+from model.constants import LIGHT_RIDGE, MIN_RIDGE, Q12, SOFTENING, imputation
 
 COUNT = 14
 
@@ -273,7 +271,7 @@ def line_minimum(
 
 UPPER_ARMS = (("right_shoulder", "right_elbow"), ("left_shoulder", "left_elbow"))
 FOREARMS = (("right_elbow", "right_wrist"), ("left_elbow", "left_wrist"))
-HEAD = (("neck", "head_top"),)
+HEAD = (("neck_base", "head"),)
 THIGHS = (("right_hip", "right_knee"), ("left_hip", "left_knee"))
 SHINS = (("right_knee", "right_ankle"), ("left_knee", "left_ankle"))
 
@@ -287,7 +285,7 @@ def mirror_features(points: np.ndarray) -> np.ndarray:
     def bone(start: str, end: str) -> np.ndarray:
         return points[..., INDEX[end], :] - points[..., INDEX[start], :]
 
-    up = points[..., INDEX["neck"], :] - mid_hip(points)
+    up = points[..., INDEX["neck_base"], :] - mid_hip(points)
     chest = unit(np.cross(bone("right_shoulder", "left_shoulder"), up))
     pelvis = unit(np.cross(bone("right_hip", "left_hip"), up))
     return np.stack(
@@ -332,7 +330,7 @@ def torso_axes(points: np.ndarray, right: str, left: str) -> np.ndarray:
     points [...,14,3]; right and left: the joints through which the first one goes -> [...,3,3].
     """
     side = unit(points[..., INDEX[left], :] - points[..., INDEX[right], :])
-    front = unit(np.cross(side, unit(points[..., INDEX["neck"], :] - mid_hip(points))))
+    front = unit(np.cross(side, unit(points[..., INDEX["neck_base"], :] - mid_hip(points))))
     side = side * front.any(-1, keepdims=True)
     return np.stack([side, np.cross(front, side), front], -2)
 
@@ -385,7 +383,7 @@ def violations(points: np.ndarray, maps: dict[str, np.ndarray]) -> np.ndarray:
             parent = directions[HANGS_ON[kind]]
             known, where = known & parent.any(-1), octahedral(parent, PARENT_CELLS)
             bone = unbent(bone, parent)
-        count += (~(known & maps[kind][*where, *octahedral(bone)])).sum(-1)
+        count += (~(known & maps[kind][(*where, *octahedral(bone))])).sum(-1)
     return count
 
 
@@ -404,7 +402,7 @@ def orient(points: np.ndarray, keypoints: np.ndarray) -> np.ndarray:
     across = centred @ rows(LIGHT_RIDGE).T
     scale = np.sum(across * image) / np.sum(across**2)
     misfit = np.sum((image / scale - across) ** 2) / spread if scale > 0 else 1.0
-    axes = rows(LEAST_RIDGE + min(misfit, 1.0))
+    axes = rows(MIN_RIDGE + min(misfit, 1.0))
     points = points @ np.vstack([axes, np.cross(axes[0], axes[1])]).T
     return points - mid_hip(points)
 

@@ -1,7 +1,6 @@
 """Operations of the fixed-point lift on motion capture, and that none of them overflows.
 
-    run.py reports.operations TEST.npz                              prints the table
-    run.py reports.operations TEST.npz --update docs/fixed_point.md writes it between the marks in a file
+    run.py reports.operations TEST.npz [--update docs/fixed_point.md]
 
 Every view of the protocol is lifted in numbers that watch themselves (tests/check), whose results
 must be the library's bit for bit.
@@ -13,14 +12,16 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from data.mocap import MocapError, Motion, load_motion
+from data.paths import ROOT
+from data.views import views
 from edmlift.library import to_q16
-from evaluation.accuracy import table, views
 from reports import markdown
-from reports.targets import INCLUDES, ROOT, SOURCES, ToolError, library_flags, run
+from reports.targets import INCLUDES, SOURCES, ToolError, library_flags, object_name, run
 
 CHECK = ROOT / "tests" / "check"
 KINDS = {
@@ -40,14 +41,14 @@ def build(folder: Path) -> Path:
         run("c++", "-std=gnu++11", "-O2", *includes, "-c", source, "-o", item)
     program = folder / "count"
     flags = [*library_flags(), "-O2", *includes]
-    plain = [folder / f"{source.stem}.plain.o" for source in [*SOURCES, CHECK / "count.c"]]
-    for item, source in zip(plain, [*SOURCES, CHECK / "count.c"], strict=True):
+    plain = [folder / "count.o", *(folder / object_name(source) for source in SOURCES)]
+    for item, source in zip(plain, [CHECK / "count.c", *SOURCES], strict=True):
         run("cc", *flags, "-c", source, "-o", item)
     run("c++", *plain, *watched, "-lm", "-o", program)
     return program
 
 
-def count(motion: Motion) -> dict:
+def count(motion: Motion) -> dict[str, Any]:
     """What tests/check/count.c prints of every view of the protocol."""
     keypoints = np.concatenate([column.keypoints for column in views(motion.joints).values()])
     with tempfile.TemporaryDirectory() as name:
@@ -58,13 +59,13 @@ def count(motion: Motion) -> dict:
     return json.loads(done.stdout)
 
 
-def report(counts: dict) -> str:
+def report(counts: dict[str, Any]) -> str:
     rows = {title: [f"{number:,}" for number in counts[kind]] for kind, title in KINDS.items()}
     verdict = (
         f"{counts['lifted']:,} lifts, {counts['overflows']} overflows, "
         f"{counts['differences']} results other than the library's.\n"
     )
-    return table("operations of a lift", ["mean", "largest"], rows) + "\n" + verdict
+    return markdown.table("operations of a lift", ["mean", "largest"], rows) + "\n" + verdict
 
 
 def main() -> int:

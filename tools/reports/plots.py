@@ -1,4 +1,4 @@
-"""Plots of tools/evaluate.py, small PNG files whose bytes depend on nothing but the figures."""
+"""Plots of accuracy: small PNG files whose bytes depend on nothing but the figures."""
 
 import io
 from itertools import cycle
@@ -9,12 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image
 
-from draw import COLOURS, FAINT, TEXT, draw_sheet
+import edmlift
+from edmlift.drawing.palette import FAINT, SIDES, TEXT
 from edmlift.joints import JOINTS, mid_hip
 
 DPI = 110
 NAMES = ("errors", "joints", "noise", "examples")
-LIBRARY, OTHER = COLOURS["left"], COLOURS["right"]
+LIBRARY, OTHER = SIDES["left"], SIDES["right"]
+COLOURS = 64  # of a plot
 # Of rivals; with more of them, from the start again.
 MARKERS = "ovDs^*X"
 LINES = ("--", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)), ":", "-.", (0, (1, 3)), (0, (12, 3)))
@@ -27,8 +29,8 @@ def write_all(
 ) -> None:
     """Writes the four plots: errors.png, joints.png, noise.png and examples.png.
 
-    figures: as from evaluate.evaluate(); rivals: {title: the same}; paper: {column: mm};
-    examples: as from evaluate.examples().
+    figures: {column: {figure: mm}}; rivals: {title: the same}; paper: {column: mm}; examples: what
+    draw_examples() takes.
     """
     save(errors(figures, rivals), folder / "errors.png")
     save(by_joint(figures), folder / "joints.png")
@@ -40,13 +42,8 @@ def save(figure: Figure, path: Path) -> None:
     """Writes a PNG with a palette, without the version of the plotting library."""
     data = io.BytesIO()
     figure.savefig(data, format="png", dpi=DPI, metadata={"Software": None})
-    shrink(data, path)
-
-
-def shrink(source: io.BytesIO | Path, path: Path) -> None:
-    """Writes a picture with a palette of 64 colours."""
-    with Image.open(source) as picture:
-        flat = picture.convert("RGB").quantize(64, dither=Image.Dither.NONE)
+    with Image.open(data) as picture:
+        flat = picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
     flat.save(path, optimize=True)
 
 
@@ -141,5 +138,6 @@ def draw_examples(
     frames = [int(order[round(share * (len(order) - 1))]) for share in SHARES.values()]
     names = [f"{n}: {error[f]:.0f} mm" for n, f in zip(SHARES, frames, strict=True)]
     rooted = truth - mid_hip(truth)[:, None]
-    draw_sheet(keypoints, poses, ["ok"] * len(poses), path, rooted, frames=frames, names=names)
-    shrink(path, path)
+    edmlift.draw(
+        edmlift.Poses.of(poses, keypoints), path, truth=rooted, frames=frames, names=names
+    )

@@ -11,7 +11,6 @@ cycles) exactly.  Flash is what a program links that does nothing but lift.
 
 import argparse
 import dataclasses
-import json
 import re
 import sys
 import tempfile
@@ -20,9 +19,10 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from data.paths import DOCS, ROOT
+from model.manifest import read_manifest
 from reports import markdown
 from reports.targets import (
-    ROOT,
     SOURCES,
     TARGETS,
     Target,
@@ -30,30 +30,31 @@ from reports.targets import (
     build,
     compile_library,
     count,
+    object_name,
     run,
 )
 
 BENCH = ROOT / "tests" / "bench"
-README, COSTS = ROOT / "README.md", ROOT / "docs" / "costs.md"
+README, COSTS = ROOT / "README.md", DOCS / "costs.md"
 LEVEL = "-Os"
 SLACK = 0.03  # of instructions
 VARIANTS = {
     "f32": ["-DMODEL=edml_fconn_f32"],
-    "q15": ["-DMODEL=edml_fconn_q15"],
-    "q7": ["-DMODEL=edml_fconn_q7"],
-    "fixed": ["-DMODEL=edml_fconn_q15", "-DFIXED"],
+    "w16": ["-DMODEL=edml_fconn_w16"],
+    "w8": ["-DMODEL=edml_fconn_w8"],
+    "fixed": ["-DMODEL=edml_fconn_w16", "-DFIXED"],
 }
 FCONV = {  # a table of its own: a lift is 20 million instructions and more
     ("cortex-m4f", "f32"): ["-DMODEL=edml_fconv_f32", "-DFCONV"],
-    ("cortex-m4f", "q7"): ["-DMODEL=edml_fconv_q7", "-DFCONV"],
-    ("cortex-m3", "fixed q7"): ["-DMODEL=edml_fconv_q7", "-DFCONV", "-DFIXED"],
+    ("cortex-m4f", "w8"): ["-DMODEL=edml_fconv_w8", "-DFCONV"],
+    ("cortex-m3", "fixed w8"): ["-DMODEL=edml_fconv_w8", "-DFCONV", "-DFIXED"],
 }
 FCONV_COLUMNS = ("core", "variant", "code", "weights", "work", "stack", "net", "lift")
 SUMMARY = [  # core, variant, its name, its errors in the model's manifest
     ("Cortex-M4F", "f32", "float", "metrics"),
-    ("Cortex-M4F", "q15", "float, 16-bit network", "metrics_q15"),
-    ("Cortex-M3", "fixed", "fixed point", "metrics_q15"),
-    ("Cortex-M0+", "fixed", "fixed point", "metrics_q15"),
+    ("Cortex-M4F", "w16", "float, 16-bit network", "metrics_w16"),
+    ("Cortex-M3", "fixed", "fixed point", "metrics_w16"),
+    ("Cortex-M0+", "fixed", "fixed point", "metrics_w16"),
 ]
 
 
@@ -70,12 +71,12 @@ class Cost:
     stack: int  # of the lift, the deepest
     place_stack: int  # of edml_place, which is no part of the lift
     edm: int
-    guess: int  # the same, of a pose without knees and ankles
+    impute: int  # the same, of a pose without knees and ankles
     net: int
     mds: int
     mirror: int
     orient: int
-    blend: int
+    fuse: int
     lift: int
     place: int
 
@@ -86,7 +87,7 @@ EXACT = COLUMNS[: COLUMNS.index("edm")]
 
 def flash_sizes(link_map: str) -> dict[str, int]:
     """Bytes of code, helpers and weights by the linker's map of tests/bench/smallest.c."""
-    library = {f"{source.stem}.o" for source in SOURCES}
+    library = {object_name(source) for source in SOURCES}
     sizes = {"code": 0, "helpers": 0, "weights": 0}
     placed = link_map.partition("\nLinker script and memory map\n")[2]
     section = r"^ \.(?:text|s?rodata)\S*\s+0x[0-9a-f]+\s+0x([0-9a-f]+) (\S+)$"
@@ -95,7 +96,7 @@ def flash_sizes(link_map: str) -> dict[str, int]:
             sizes["helpers"] += int(size, 16)
             sizes["code"] += int(size, 16)
         elif Path(file).name in library:
-            model = Path(file).name.startswith("model_")
+            model = Path(file).name.startswith("models_")
             sizes["weights" if model else "code"] += int(size, 16)
     return sizes
 
@@ -103,6 +104,7 @@ def flash_sizes(link_map: str) -> dict[str, int]:
 def measure_variant(
     target: Target, variant: str, options: list[str], library: list[Path], folder: Path
 ) -> Cost:
+    """The costs of one lift on a core."""
     link_map = folder / "map"
     smallest = build(
         BENCH / "smallest.c", target, LEVEL, folder / "smallest.elf", *options, "-nostartfiles",
@@ -124,6 +126,7 @@ def measure_variant(
 
 
 def measure_core(target: Target) -> list[Cost]:
+    """The rows of a core."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         library = compile_library(target, LEVEL, folder)
@@ -141,8 +144,8 @@ def measure(names: Iterable[str] = TARGETS) -> list[Cost]:
 
 
 def measure_fconv() -> list[Cost]:
-    """The rows of the other table.  An instruction takes less time than in the first, for the
-    counter of 24 bits to last."""
+    """The rows of the other table.  An instruction takes less time than in the first, so that the
+    counter of 24 bits lasts."""
     costs = []
     for (name, variant), options in FCONV.items():
         target = TARGETS[name]
@@ -156,23 +159,24 @@ def measure_fconv() -> list[Cost]:
 # ---- Tables ----------------------------------------------------------------------------------
 
 
-def report(head: list[str], rows: Iterable[list[str | int]]) -> str:
-    lines = ["| " + " | ".join(head) + " |", "|---" + "|--:" * (len(head) - 1) + "|"]
-    for row in rows:
-        cells = [f"{cell:,}" if isinstance(cell, int) else cell for cell in row]
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+Row = list[str | int]
+
+
+def to_table(head: list[str], rows: Iterable[Row]) -> str:
+    """A table whose first column has the titles, and whose integers have commas."""
+    titled = [(str(row[0]), row[1:]) for row in rows]
+    return markdown.table(head[0], head[1:], titled, markdown.counted).rstrip("\n")
 
 
 def full_table(costs: list[Cost]) -> str:
     units = ["", "", *["bytes"] * (len(EXACT) - 2), *["instr."] * (len(COLUMNS) - len(EXACT))]
-    return report(COLUMNS, [units, *(list(dataclasses.astuple(cost)) for cost in costs)])
+    return to_table(COLUMNS, [units, *(list(dataclasses.astuple(cost)) for cost in costs)])
 
 
 def fconv_table(costs: list[Cost]) -> str:
     units = ["", "", *["bytes"] * 4, *["instr."] * 2]
     rows = [[getattr(cost, name) for name in FCONV_COLUMNS] for cost in costs]
-    return report(list(FCONV_COLUMNS), [units, *rows])
+    return to_table(list(FCONV_COLUMNS), [units, *rows])
 
 
 def parse(text: str) -> list[Cost]:
@@ -192,9 +196,9 @@ def readme_table(costs: list[Cost]) -> str:
     for variant in VARIANTS:
         head += [f"`{variant}`", ""]
         units += ["code, bytes", "a lift"]
-    rows: list[list[str | int]] = [units]
+    rows: list[Row] = [units]
     for core in dict.fromkeys(cost.core for cost in costs):
-        row: list[str | int] = [core]
+        row: Row = [core]
         for variant in VARIANTS:
             row += [of[core, variant].code, f"{of[core, variant].lift / 1000:,.0f} k"]
         rows.append(row)
@@ -203,14 +207,14 @@ def readme_table(costs: list[Cost]) -> str:
     ):  # fmt: skip
         most = [max(getattr(c, name) for c in costs if c.variant == v) for v in VARIANTS]
         rows.append([label, *(x for size in most for x in (size, ""))])
-    return report(head, rows)
+    return to_table(head, rows)
 
 
 def summary_table(costs: list[Cost]) -> str:
     """The README's first table: a few rows, and the errors noted in the model's manifest."""
     of = {(cost.core, cost.variant): cost for cost in costs}
-    manifest = json.loads((ROOT / "gen" / "fconn.json").read_text("utf-8"))
-    rows: list[list[str | int]] = []
+    manifest = read_manifest("fconn")
+    rows: list[Row] = []
     for core, variant, name, key in SUMMARY:
         cost, metrics = of[core, variant], manifest.get(key, {})
         rows.append([
@@ -221,7 +225,7 @@ def summary_table(costs: list[Cost]) -> str:
             *(f"{metrics[view]} mm" if metrics else "" for view in ("gt", "cpm", "rand2")),
         ])  # fmt: skip
     head = ["", "flash", "RAM", "a lift", "error, exact 2D", "detector's 2D", "two joints missing"]
-    return report(head, rows)
+    return to_table(head, rows)
 
 
 class Disagreement(Exception):

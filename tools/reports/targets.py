@@ -10,10 +10,10 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from data.paths import ROOT
+from data.paths import LIB, ROOT
 
-SOURCES = sorted((ROOT / "lib").glob("*.c"))
-INCLUDES = [f"-I{ROOT / 'include'}", f"-I{ROOT / 'lib'}"]
+SOURCES = sorted(LIB.rglob("*.c"))
+INCLUDES = [f"-I{ROOT / 'include'}", f"-I{LIB}"]
 
 
 class ToolError(Exception):
@@ -41,7 +41,7 @@ SYSTEMS = {
         icount=0,
     ),
 }
-SYSTICK_MHZ = {"microbit": 16, "mps2-an505": 20, "mps3-an547": 32}  # of the others: 25
+SYSTICK_MHZ = {"microbit": 16, "mps2-an505": 20, "mps3-an547": 32}  # the others: 25
 
 
 @dataclass(frozen=True)
@@ -109,9 +109,14 @@ def compiler(target: Target, level: str) -> list[str]:
     ]  # fmt: skip
 
 
+def object_name(source: Path) -> str:
+    """A name for a source's object file, unlike that of any other: lift_lift_f32.o."""
+    return "_".join(source.relative_to(LIB).with_suffix(".o").parts)
+
+
 def compile_library(target: Target, level: str, folder: Path) -> list[Path]:
     """Object files of the library, in a folder."""
-    objects = [folder / f"{source.stem}.o" for source in SOURCES]
+    objects = [folder / object_name(source) for source in SOURCES]
     for source, item in zip(SOURCES, objects, strict=True):
         run(*compiler(target, level), "-c", source, "-o", item)
     return objects

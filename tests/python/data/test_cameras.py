@@ -24,7 +24,7 @@ def test_a_view_is_a_rigid_motion(people):
 
 
 def handedness(joints):
-    a, b, c = (joints[:, INDEX[n]] - joints[:, 1] for n in ("head_top", "left_wrist", "right_knee"))
+    a, b, c = (joints[:, INDEX[n]] - joints[:, 1] for n in ("head", "left_wrist", "right_knee"))
     return np.einsum("fi,fi->f", a, np.cross(b, c))
 
 
@@ -38,7 +38,7 @@ def test_distances_and_heights_are_the_rigs(people):
 def test_people_stand_upright_in_the_middle_of_the_image(people):
     points = cameras.project(cameras.look(people, np.random.default_rng(2)))
     assert np.abs(mid_hip(points) - 500).mean() < 25
-    assert (points[:, INDEX["head_top"], 1] < points[:, INDEX["left_ankle"], 1]).all()
+    assert (points[:, INDEX["head"], 1] < points[:, INDEX["left_ankle"], 1]).all()
     height = np.ptp(points[:, :, 1], axis=1)
     assert 300 < height.mean() < 460
 
@@ -47,7 +47,7 @@ def test_a_person_facing_the_camera_has_the_left_on_the_right():
     rng = np.random.default_rng(3)
     seen = cameras.look(np.repeat(STANDING[None], 500, 0), rng)
     left = seen[:, INDEX["left_shoulder"]] - seen[:, INDEX["right_shoulder"]]
-    up = seen[:, INDEX["neck"]] - mid_hip(seen)
+    up = seen[:, INDEX["neck_base"]] - mid_hip(seen)
     forward = np.cross(left, up)
     frontal = np.abs(forward[:, 2]) > 0.7 * np.linalg.norm(forward, axis=1)
     facing = forward[:, 2] < 0  # toward the camera
@@ -113,5 +113,5 @@ def test_the_skeleton_is_a_tree_of_13_bones():
     assert len(skeleton.BONES) == 13 and len(skeleton.PAIRS[0]) == 91
     assert (MIRROR[MIRROR] == np.arange(14)).all()
     assert sorted(j for names in skeleton.BONE_TYPE.values() for j in skeleton.indices(names)) == [
-        j for j in range(14) if j != INDEX["neck"]
+        j for j in range(14) if j != INDEX["neck_base"]
     ]

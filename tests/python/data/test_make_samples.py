@@ -126,7 +126,7 @@ def test_forward_kinematics_by_hand():
     joints = make_samples.pose_model(moved, links, np.array([0.0, 0.25, 0.0]))[0]
     expected = {
         "neck": (0, 5, 1),
-        "head_top": (0, 5, 1.25),
+        "head": (0, 5, 1.25),
         "right_hip": (0, 4, 0.5),
         "right_knee": (0, 2, 0.5),
         "right_ankle": (-2, 2, 0.5),

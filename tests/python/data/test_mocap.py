@@ -36,8 +36,8 @@ ASF = {
 INCH = 0.0254
 # Joints of that skeleton at rest, inches, relative to the root.
 REST = {
-    "head_top": (0, 30, 0),
-    "neck": (0, 20, 0),
+    "head": (0, 30, 0),
+    "neck_base": (0, 20, 0),
     "right_shoulder": (-7, 20, 0),
     "right_elbow": (-18, 20, 0),
     "right_wrist": (-28, 20, 0),

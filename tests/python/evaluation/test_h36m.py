@@ -19,8 +19,8 @@ from evaluation.accuracy import Column
 
 # A standing person, metres, facing -y, z up; x is the person's left.
 STANDING = {
-    "head_top": (0, 0, 1.65),
-    "neck": (0, 0, 1.42),
+    "head": (0, 0, 1.65),
+    "neck_base": (0, 0, 1.42),
     "right_shoulder": (-0.18, 0, 1.42),
     "right_elbow": (-0.22, 0, 1.14),
     "right_wrist": (-0.22, -0.1, 0.9),
@@ -138,7 +138,7 @@ def test_joints_are_ours_and_y_points_up(files):
             ours = list(map(int, PLACES[name].split()))
             np.testing.assert_allclose(joints, np.stack([x, z, -y], -1)[:, ours], atol=1e-6)
             left = joints[:, INDEX["left_hip"]] - joints[:, INDEX["right_hip"]]
-            up = joints[:, INDEX["neck"]] - joints[:, INDEX["right_hip"]]
+            up = joints[:, INDEX["neck_base"]] - joints[:, INDEX["right_hip"]]
             ahead = joints[:, INDEX["right_wrist"]] + joints[:, INDEX["left_wrist"]]
             ahead -= joints[:, INDEX["right_elbow"]] + joints[:, INDEX["left_elbow"]]
             assert (np.einsum("fi,fi->f", np.cross(left, up), ahead) > 0).all()  # not mirrored
@@ -149,7 +149,7 @@ def test_the_h36m_joints_are_those_of_the_adapter():
     kept = [0, 1, 2, 3, 6, 7, 8, 12, 13, 14, 15, 17, 18, 19, 25, 26, 27]
     layout = Library().format("h36m17_right_first")
     assert [kept[i] for i in layout.limb] == list(H36M.joints[2:])
-    assert kept[layout.centre] == H36M.joints[INDEX["head_top"]]
+    assert kept[layout.centre] == H36M.joints[INDEX["head"]]
 
 
 def by_quaternion(q: list[float], v: np.ndarray) -> np.ndarray:
@@ -351,7 +351,7 @@ def test_the_adapter_moves_head_and_neck_alone():
     np.testing.assert_allclose(adapted[:, 2:], keypoints[:, 2:], rtol=1e-6)
     s = keypoints[:, indices(("right_shoulder", "left_shoulder")), :2].mean(1)
     h = keypoints[:, indices(("right_hip", "left_hip")), :2].mean(1)
-    np.testing.assert_allclose(adapted[:, INDEX["neck"], :2], s + 0.12 * (h - s), rtol=1e-2)
+    np.testing.assert_allclose(adapted[:, INDEX["neck_base"], :2], s + 0.12 * (h - s), rtol=1e-2)
 
 
 # The command

@@ -85,13 +85,13 @@ def predict(folder: Path, form: str, edms: np.ndarray) -> np.ndarray:
 
 
 def test_twins_are_pairs_with_left_for_right():
-    assert len(skeleton.PAIR_TWINS) == 49
-    assert sorted(set(skeleton.PAIR_TWINS.ravel())) == list(range(91))
-    for first, second in skeleton.PAIR_TWINS:
+    assert len(skeleton.PAIR_MIRROR) == 49
+    assert sorted(set(skeleton.PAIR_MIRROR.ravel())) == list(range(91))
+    for first, second in skeleton.PAIR_MIRROR:
         joints = {skeleton.MIRROR[axis[first]] for axis in skeleton.PAIRS}
         assert joints == {axis[second] for axis in skeleton.PAIRS}
-    own = skeleton.PAIR_TWINS[:, 0] == skeleton.PAIR_TWINS[:, 1]
-    assert own.tolist() == [False] * 42 + [True] * skeleton.SELF_TWINS
+    own = skeleton.PAIR_MIRROR[:, 0] == skeleton.PAIR_MIRROR[:, 1]
+    assert own.tolist() == [False] * 42 + [True] * skeleton.SELF_MIRRORED
 
 
 def test_training_is_the_oracle(params, edms):
@@ -103,7 +103,7 @@ def test_training_is_the_oracle(params, edms):
 
 def test_left_and_right_are_alike(params, edms):
     swapped = np.empty(91, int)
-    swapped[skeleton.PAIR_TWINS] = skeleton.PAIR_TWINS[:, ::-1]
+    swapped[skeleton.PAIR_MIRROR] = skeleton.PAIR_MIRROR[:, ::-1]
     there = np.asarray(equivariant.predict(params, jnp.asarray(edms[:, swapped])))
     back = np.asarray(equivariant.predict(params, jnp.asarray(edms)))[:, swapped]
     np.testing.assert_allclose(there, back, atol=1e-5)
