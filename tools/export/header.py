@@ -226,11 +226,11 @@ const edml_model edml_{model} = {{
     {count}, /* layers */
     EDML_READS_DISTANCES,
     EDML_GIVES_DISTANCES,
+    {settings.fewest_joints}, /* fewest joints */
     sizeof({kind.work}),
     {"0" if of_float else f"sizeof({kind.work}_q)"},
     {number_text(settings.max_aspect)}, /* max_aspect: {settings.max_aspect:g} */
     {MISSING[settings.missing]},
-    {settings.fewest_joints}, /* fewest joints */
     EDML_STRESS_{settings.objective.upper()},
     {settings.refine_steps}, /* refinement steps */
     {{{mirror}}}, /* mirror */

@@ -24,7 +24,7 @@ class ConstantError(LookupError):
 def _sources() -> dict[str, str]:
     """The texts of the library's headers and sources, by their path, without comments."""
     paths = sorted(p for root in (ROOT / "include", LIB) for p in root.rglob("*.*"))
-    texts = {str(path.relative_to(ROOT)): path.read_text("utf-8") for path in paths}
+    texts = {str(p.relative_to(ROOT)): p.read_text("utf-8").replace("\\\n", " ") for p in paths}
     return {path: re.sub(r"/\*.*?\*/", "", text, flags=re.S) for path, text in texts.items()}
 
 

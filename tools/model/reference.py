@@ -66,7 +66,7 @@ def edm(
     if half <= np.abs(xy[seen]).max() / 4096:
         raise Refused("degenerate")
     if np.ptp(xy[seen, 0]) / 2 > max_aspect * half:
-        raise Refused("unusual")
+        raise Refused("aspect")
     spread = np.linalg.svd(xy[seen] - xy[seen].mean(0), compute_uv=False)
     if spread[1] <= spread[0] / 128:
         raise Refused("degenerate")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from support import ROOT
 
 from data import cameras, make_samples
 from edmlift.joints import BONES, INDEX, JOINTS, mid_hip

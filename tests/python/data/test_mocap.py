@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT, run_tool
 from scipy.spatial.transform import Rotation
+from support import ROOT, run_tool
 
 from data import mocap
 from data.mocap import MocapError, Motion, Settings, Trial

@@ -1,23 +1,20 @@
 """Adapters: their numbers are the script's, and their documentation says what is."""
 
-import os
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from support import ROOT, TEST, TRAIN, need_motion
 
 from data import head_model
 from data.mocap import load_motion
-from edmlift import library as edmlift
+from edmlift.library import Library
 from evaluation import adapters
 from fitting import adapters as fit_adapters
 from reports import markdown
 
-DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 PAGE = ROOT / "docs" / "adapters.md"
-TEXT = (ROOT / "lib" / "adapt.inc").read_text()
+TEXT = (ROOT / "lib" / "joints" / "adapt.h").read_text()
 CONSTANTS = {n: float(v) for n, v in re.findall(r"^#define (\w+) REAL\((.*)\)", TEXT, re.M)}
 HEADER = (ROOT / "include" / "edmlift.h").read_text()
 WALK = np.loadtxt(ROOT / "examples" / "data" / "walk_truth.csv", delimiter=",", ndmin=2)
@@ -25,33 +22,20 @@ WALK = WALK.reshape(-1, 14, 3) * [1, -1, -1]  # from the camera's axes to y up
 ONE = np.zeros(len(WALK), int)
 
 
-@pytest.fixture(scope="module")
-def library() -> edmlift.Library:
-    if not Path(os.environ.get("EDMLIFT_LIBRARY", edmlift.LIBRARY)).exists():
-        pytest.skip("the tools' library is not built")
-    return edmlift.Library()
-
-
-def need(name: str) -> Path:
-    if not (DATA / name).exists():
-        pytest.skip("needs the motion data")
-    return DATA / name
-
-
 # ---- What the tools say ----------------------------------------------------------------------
 
 
 def test_the_constants_and_their_errors_are_the_scripts():
-    views = fit_adapters.Views(load_motion(need("cmu14_train.npz")))
+    views = fit_adapters.Views(load_motion(need_motion(TRAIN)))
     found = fit_adapters.fit(views)
     assert found == CONSTANTS
-    assert markdown.read(PAGE, "rules") == fit_adapters.table(views, found)
-    assert all(abs(value) < 1.5 for value in found.values())  # as adapt.inc's ranges say
+    assert markdown.read(PAGE, "rules") == fit_adapters.report(views, found)
+    assert all(abs(value) < 1.5 for value in found.values())  # as adapt.h's ranges say
 
 
-def test_the_costs_are_those_of_the_page_and_the_readme(library: edmlift.Library):
-    figures = adapters.evaluate(library, load_motion(need("cmu14_test.npz")))
-    assert markdown.read(PAGE, "adapters") == adapters.table(figures)
+def test_the_costs_are_those_of_the_page_and_the_readme(library: Library):
+    figures = adapters.evaluate(library, load_motion(need_motion(TEST)))
+    assert markdown.read(PAGE, "adapters") == adapters.report(figures)
     assert all(c["refused"] == 0 for way in figures.values() for c in way.values())
     error = {title: round(columns["exact"]["all"], 1) for title, columns in figures.items()}
     own = error["the models' own head and neck"]
@@ -64,7 +48,7 @@ def test_the_costs_are_those_of_the_page_and_the_readme(library: edmlift.Library
     assert f"would cost {mpii:.0f} mm" in readme
 
 
-def test_the_page_lists_every_format_and_its_keypoints(library: edmlift.Library):
+def test_the_page_lists_every_format_and_its_keypoints(library: Library):
     table = PAGE.read_text().partition("\n\n|")[2].partition("\n\n")[0]
     listed = {}
     for row in table.splitlines()[2:]:
@@ -127,7 +111,7 @@ def test_a_taller_person_has_a_larger_head():
 # ---- The binding -----------------------------------------------------------------------------
 
 
-def test_adapt_copies_limbs(library: edmlift.Library):
+def test_adapt_copies_limbs(library: Library):
     keypoints = np.random.default_rng(0).uniform(0.1, 1, (5, 17, 3)).astype(np.float32)
     joints = library.adapt(keypoints, "coco17")
     np.testing.assert_array_equal(joints[:, 2:], keypoints[:, list(library.format("coco17").limb)])

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from data import cameras
 from data.mocap import Motion
 from edmlift.metrics import rigid_errors
-from evaluation import accuracy, baselines
+from evaluation import accuracy, baselines, measures
 
 
 @pytest.fixture
@@ -20,9 +20,9 @@ def train() -> Motion:
     return Motion(joints, number, number, number, number, (), "made up")
 
 
-def test_mean_of_one_pose_turned_is_that_pose(train):
-    turned = Rotation.random(50, rng=np.random.default_rng(4)).as_matrix()
-    same = replace(train, joints=train.joints[:1] @ turned)
+def test_mean_of_one_pose_rotated_is_that_pose(train):
+    rotations = Rotation.random(50, rng=np.random.default_rng(4)).as_matrix()
+    same = replace(train, joints=train.joints[:1] @ rotations)
     poses = baselines.MeanPose(same).lift(np.zeros((2, 14, 3)))
     assert poses.joints.shape == (2, 14, 3) and (poses.status == "ok").all()
     assert rigid_errors(poses.joints, same.joints[:2]).max() < 1e-6
@@ -74,8 +74,8 @@ def test_a_stale_json_is_refused(tmp_path, trained, train):
 
 def test_trained_rivals_stand_first_or_are_left_out(trained, train, monkeypatch, capsys):
     _, test = trained
-    views = accuracy.views
-    monkeypatch.setattr(accuracy, "views", lambda joints: {"gt": views(joints)["gt"]})
+    views = measures.views
+    monkeypatch.setattr(measures, "views", lambda joints: {"gt": views(joints)["gt"]})
     rows = accuracy.evaluate_rivals(train, test)
     assert list(rows) == ["Cartesian network, 40 K", "mean pose", "nearest neighbour"]
     assert rows["Cartesian network, 40 K"]["gt"]["error"] == 61.0

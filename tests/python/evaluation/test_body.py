@@ -1,31 +1,24 @@
-"""Size, quality, uncertainty and floor: constants and documents say what the scripts find."""
+"""Size, quality, uncertainty and standing: constants and documents say what the scripts find."""
 
-import os
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from support import ROOT, TEST, TRAIN, need_motion
 
+from data.bodies import bone_lengths
 from data.mocap import load_motion
-from edmlift import library as edmlift
 from edmlift.joints import BONE_TYPE, BONES, JOINTS
+from edmlift.library import Library
 from evaluation import body
 from fitting import body as fit_body
+from model.constants import number
+from model.manifest import read_manifest
 from reports import markdown
 
-DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 PAGE = ROOT / "docs" / "person.md"
 WALK = np.loadtxt(ROOT / "examples" / "data" / "walk.csv", delimiter=",", ndmin=2)
 TYPE = [next(k for k, ends in BONE_TYPE.items() if JOINTS[end] in ends) for _, end in BONES]
-
-
-@pytest.fixture(scope="module")
-def library() -> edmlift.Library:
-    if not Path(os.environ.get("EDMLIFT_LIBRARY", edmlift.LIBRARY)).exists():
-        pytest.skip("the tools' library is not built")
-    return edmlift.Library()
 
 
 @pytest.fixture(scope="module")
@@ -35,61 +28,52 @@ def walk() -> np.ndarray:
     return np.concatenate([points[..., :2], np.ones_like(points[..., :1])], -1)
 
 
-def need(name: str) -> Path:
-    if not (DATA / name).exists():
-        pytest.skip("needs the motion data")
-    return DATA / name
-
-
 def text_of(name: str) -> str:
-    return (ROOT / "lib" / name).read_text()
-
-
-def constant(name: str, file: str) -> float:
-    return float(re.search(rf"^#define {name} (?:REAL\()?([\d.]+)", text_of(file), re.M)[1])
+    return (ROOT / "lib" / "optional" / name).read_text()
 
 
 # ---- What the tools say ----------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
-def found(library: edmlift.Library) -> fit_body.Constants:
-    return fit_body.fit(library, load_motion(need("cmu14_train.npz")))
+def found(library: Library) -> fit_body.Constants:
+    return fit_body.fit(library, load_motion(need_motion(TRAIN)))
 
 
 def test_sizes_are_the_scripts(found: fit_body.Constants):
-    numbers = [float(n) for n in re.findall(r"REAL\((0\.\d{3}|1\.0)\)", text_of("person.inc"))]
+    numbers = [float(n) for n in re.findall(r"REAL\((0\.\d{3}|1\.0)\)", text_of("body.h"))]
     assert numbers[:14] == [found.shares[kind] for kind in TYPE] + [1.0]
-    assert constant("CHAIN", "person.inc") == found.shares["chain"]
-    assert found.disagreement < constant("AGREE", "person.inc")
-    assert constant("ANKLE", "floor.inc") == found.ankle
+    assert number("HEAD_TO_ANKLE") == found.shares["chain"]
+    assert found.disagreement < number("MAX_HEIGHT_RATIO")
+    assert number("ANKLE_HEIGHT") == found.ankle
 
 
 def test_the_model_of_quality_is_the_scripts(found: fit_body.Constants):
-    pairs = re.findall(r"\{REAL\((.{4})\), REAL\((.{4})\)\}", text_of("quality.inc"))
-    assert [tuple(map(float, p)) for p in pairs] == [found.limits[kind] for kind in TYPE]
-    names = {"margin": "MARGIN", "residual": "RESIDUAL", "misfit": "MISFIT", "missing": "MISSING",
-             "bones": "BEYOND", "constant": "CONSTANT"}  # fmt: skip
+    pairs = re.findall(r"\{REAL\((.{4})\), REAL\((.{4})\)\}", text_of("quality.h"))
+    assert [tuple(map(float, p)) for p in pairs] == [found.bone_range[kind] for kind in TYPE]
+    names = {"margin": "PER_MARGIN", "residual": "PER_RESIDUAL", "misfit": "PER_MISFIT",
+             "missing": "PER_MISSING", "bones": "PER_VIOLATION",
+             "constant": "QUALITY_CONSTANT"}  # fmt: skip
     signs = {"margin": 1, "constant": 1}
     for name, macro in names.items():
-        ours = signs.get(name, -1) * constant(macro, "quality.inc")
+        ours = signs.get(name, -1) * number(macro)
         assert ours == pytest.approx(found.quality[name], abs=0.0051), name
-    most = {"margin": "MOST_MARGIN", "residual": "MOST_METRES", "misfit": "MOST_METRES",
-            "missing": "MOST_MISSING", "bones": "MOST_BEYOND"}  # fmt: skip
-    for name, macro in most.items():
-        assert constant(macro, "quality.inc") == fit_body.MOST[name], name
+    clamps = {"margin": "MAX_MARGIN", "residual": "MAX_METRES", "misfit": "MAX_METRES",
+              "missing": "MAX_MISSING", "bones": "MAX_VIOLATION"}  # fmt: skip
+    for name, macro in clamps.items():
+        assert number(macro) == fit_body.CLAMPS[name], name
 
 
 def test_errors_of_joints_are_the_scripts(found: fit_body.Constants):
     rows = re.findall(r"^static const joint_error (\w+) = (.*);", text_of("uncertainty.c"), re.M)
-    assert [name for name, _ in rows] == [t.removesuffix("_top") for t in fit_body.JOINT_TYPE]
+    assert [name for name, _ in rows] == list(fit_body.JOINT_TYPE)
     table = np.array([[int(n) for n in re.findall(r"\d+", row)] for _, row in rows])
     assert np.abs(table - found.uncertainty).max() <= 1
 
 
 @pytest.fixture(scope="module")
-def tables(library: edmlift.Library) -> dict[str, str]:
-    return body.evaluate(library, load_motion(need("cmu14_test.npz")))
+def tables(library: Library) -> dict[str, str]:
+    return body.evaluate(library, load_motion(need_motion(TEST)), read_manifest("fconn"))
 
 
 @pytest.mark.parametrize("name", ["sizes", "quality", "kept", "partial"])
@@ -123,7 +107,7 @@ def test_nine_of_ten_poses_above_nine_tenths_are_good(tables: dict[str, str]):
 # ---- The library ------------------------------------------------------------------------------
 
 
-def test_quality_is_computed_as_it_was_fitted(library: edmlift.Library, walk: np.ndarray):
+def test_quality_is_computed_as_it_was_fitted(library: Library, walk: np.ndarray):
     rng = np.random.default_rng(1)
     walk = walk[:: max(1, len(walk) // 60)].copy()
     walk[..., :2] += rng.normal(0, 8, walk[..., :2].shape)
@@ -131,39 +115,40 @@ def test_quality_is_computed_as_it_was_fitted(library: edmlift.Library, walk: np
     poses = library.lift(walk)
     fine = poses.status == "ok"
     assert fine.sum() > 20
-    limits = re.findall(r"\{REAL\((.{4})\), REAL\((.{4})\)\}", text_of("quality.inc"))
-    allowed = {k: tuple(map(float, p)) for k, p in zip(TYPE, limits, strict=True)}
+    ranges = re.findall(r"\{REAL\((.{4})\), REAL\((.{4})\)\}", text_of("quality.h"))
+    allowed = {k: tuple(map(float, p)) for k, p in zip(TYPE, ranges, strict=True)}
     x = fit_body.features(poses, walk, allowed)[fine]
-    c = [constant(n, "quality.inc") for n in ("MARGIN", "RESIDUAL", "MISFIT", "MISSING", "BEYOND")]
-    score = constant("CONSTANT", "quality.inc") + x @ (np.array(c) * [1, -1, -1, -1, -1])
+    inputs = ("MARGIN", "RESIDUAL", "MISFIT", "MISSING", "VIOLATION")
+    c = [number(f"PER_{name}") for name in inputs]
+    score = number("QUALITY_CONSTANT") + x @ (np.array(c) * [1, -1, -1, -1, -1])
     expected = fit_body.sigmoid(score)
-    assert library.quality(poses, walk)[fine] == pytest.approx(expected, abs=1e-4)
+    assert library.quality(poses)[fine] == pytest.approx(expected, abs=1e-4)
 
 
-def test_a_height_and_bones_reach_the_library(library: edmlift.Library, walk: np.ndarray):
+def test_a_height_and_bones_reach_the_library(library: Library, walk: np.ndarray):
     poses = library.lift(walk[:3])
-    tall, status = library.fit_person(poses.joints, height=np.array([1.5, 1.75, 2.0]))
+    tall, status = library.fit_body(poses.joints, height=np.array([1.5, 1.75, 2.0]))
     assert (status == "ok").all()
-    chain = fit_body.chain(fit_body.bone_lengths(tall))
-    assert chain == pytest.approx(constant("CHAIN", "person.inc") * np.array([1.5, 1.75, 2]), 1e-4)
+    chain = fit_body.chain(bone_lengths(tall))
+    assert chain == pytest.approx(number("HEAD_TO_ANKLE") * np.array([1.5, 1.75, 2]), 1e-4)
     bones = np.zeros(13)
     bones[8] = 0.41
-    known, _ = library.fit_person(poses.joints, bones=bones)
-    assert fit_body.bone_lengths(known)[:, 8] == pytest.approx(0.41, abs=1e-5)
-    wrong, status = library.fit_person(poses.joints, height=10)
-    assert (status == "person").all() and np.isnan(wrong).all()
+    known, _ = library.fit_body(poses.joints, bones=bones)
+    assert bone_lengths(known)[:, 8] == pytest.approx(0.41, abs=1e-5)
+    wrong, status = library.fit_body(poses.joints, height=10)
+    assert (status == "body").all() and np.isnan(wrong).all()
 
 
-def test_a_walk_stands_on_the_floor(library: edmlift.Library, walk: np.ndarray):
+def test_a_walk_stands_on_the_floor(library: Library, walk: np.ndarray):
     for pose in library.lift(walk[:20]).joints:
-        status, stood = library.floor(pose, (0, -1, 0))
+        status, stood = library.stand(pose, (0, -1, 0))
         assert status == "ok"
         assert stood[[10, 13], 1].min() == pytest.approx(0.07, abs=1e-5)
         assert stood[0, 1] > 1.2  # the head
-    assert library.floor(pose, (0, 0, 0))[0] == "degenerate"
+    assert library.stand(pose, (0, 0, 0))[0] == "degenerate"
 
 
-def test_too_few_joints_have_no_uncertainty(library: edmlift.Library):
+def test_too_few_joints_have_no_uncertainty(library: Library):
     seen = np.ones((2, 14), bool)
     seen[1, :5] = False
     told = library.uncertainty(seen)

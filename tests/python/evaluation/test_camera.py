@@ -1,34 +1,24 @@
 """Poses placed before a camera: the binding, OpenCV's solvePnP beside it, and the evaluation."""
 
-import os
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 import scipy.io
-from conftest import ROOT
+from support import ROOT, TEST, need_motion
 
 from data import cameras
 from data.mocap import load_motion
-from edmlift import library as edmlift
 from edmlift.joints import mid_hip
-from evaluation import camera, reproject
+from edmlift.library import Library
+from evaluation import camera, cli, reproject
 from reports import markdown
 
-DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 WALK = np.loadtxt(ROOT / "examples" / "data" / "walk.csv", delimiter=",").reshape(-1, 14, 3)
 CAMERA = (1145.0, 1145.0, 500.0, 500.0)
 SIZE = (1000.0, 1000.0)
 MATRIX = np.array([[1145.0, 0, 500], [0, 1145, 500], [0, 0, 1]])
-
-
-@pytest.fixture(scope="module")
-def library() -> edmlift.Library:
-    path = Path(os.environ.get("EDMLIFT_LIBRARY", edmlift.LIBRARY))
-    if "EDMLIFT_LIBRARY" not in os.environ and not path.exists():
-        pytest.skip("the tools' library is not built")
-    return edmlift.Library()
 
 
 def rotations(count: int, rng: np.random.Generator) -> np.ndarray:
@@ -39,7 +29,7 @@ def rotations(count: int, rng: np.random.Generator) -> np.ndarray:
 
 
 @pytest.fixture
-def scenes(library: edmlift.Library) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def scenes(library: Library) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """People 3 to 6 m away [F,14,3], their poses in any axes, and the rotations back [F,3,3]."""
     rng = np.random.default_rng(5)
     people = np.repeat(library.lift(WALK).joints.astype(float), 8, axis=0)
@@ -117,10 +107,10 @@ def solve_pnp(pose: np.ndarray, points: np.ndarray, guess: tuple | None) -> floa
     pose, points = pose.astype(float), points.astype(float)
     start = () if guess is None else (cv2.Rodrigues(guess[0])[0], guess[1].reshape(3, 1), True)
     try:
-        found, turn, shift = cv2.solvePnP(pose, points, MATRIX, None, *start)
+        found, rotation, shift = cv2.solvePnP(pose, points, MATRIX, None, *start)
     except cv2.error:
         return np.inf
-    at = pose @ cv2.Rodrigues(turn)[0].T + shift.T
+    at = pose @ cv2.Rodrigues(rotation)[0].T + shift.T
     if not found or (at[:, 2] <= 0).any():
         return np.inf
     return np.sqrt((np.linalg.norm(project(at) - points, axis=1) ** 2).mean())
@@ -159,16 +149,15 @@ def test_lifted_poses_are_placed_no_worse_than_by_opencv(library):
 
 def test_angles_and_rotations():
     rng = np.random.default_rng(7)
-    turn, points = rotations(5, rng), rng.normal(size=(5, 14, 3))
-    moved = np.einsum("fij,fnj->fni", turn, points) + 3
-    np.testing.assert_allclose(camera.rotation_between(points, moved), turn, atol=1e-12)
+    rotation, points = rotations(5, rng), rng.normal(size=(5, 14, 3))
+    moved = np.einsum("fij,fnj->fni", rotation, points) + 3
+    np.testing.assert_allclose(camera.rotation_between(points, moved), rotation, atol=1e-12)
     quarter = np.array([[[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]])
     np.testing.assert_allclose(camera.angle_between(quarter, np.eye(3)[None]), 90)
 
 
-@pytest.mark.skipif(not (DATA / "cmu14_test.npz").exists(), reason="needs the test people")
 def test_the_tables_are_those_of_the_page(library):
-    figures = camera.evaluate(library, load_motion(DATA / "cmu14_test.npz"))
+    figures = camera.evaluate(library, load_motion(need_motion(TEST)))
     table = camera.report(figures)
     assert markdown.read(ROOT / "docs" / "camera.md", "camera").strip() == table.strip()
     assert figures["true pose, gt"]["root"] < 0.1  # cm
@@ -223,8 +212,8 @@ def test_the_table_of_annotations_and_detections(library, lsp, tmp_path, capsys)
     detected = WALK.copy()
     detected[..., 0] += 3
     np.savetxt(tmp_path / "detected.csv", detected.reshape(-1, 42), delimiter=",")
-    arguments = [str(lsp), "--detections", str(tmp_path / "detected.csv")]
-    assert reproject.main(arguments) == 0
+    arguments = ["reproject", str(lsp), "--detections", str(tmp_path / "detected.csv")]
+    assert cli.main(arguments) == 0
     lines = capsys.readouterr().out.splitlines()
     rows = [line.strip("|").split("|") for line in lines[2:]]
     assert [row[0].strip() for row in rows] == [
@@ -250,4 +239,4 @@ def test_lines_of_another_length_are_refused(tmp_path):
     (tmp_path / "other.csv").write_text("1,2,3\n")
     with pytest.raises(ValueError, match="3 numbers"):
         reproject.read_keypoints(tmp_path / "other.csv")
-    assert reproject.main([str(tmp_path / "other.csv")]) == 1
+    assert cli.main(["reproject", str(tmp_path / "other.csv")]) == 1

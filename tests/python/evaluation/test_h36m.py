@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from support import ROOT
 
 from data.h36m import H36M, HUMANEVA, read_cameras, read_positions
 from data.mocap import MocapError, load_motion

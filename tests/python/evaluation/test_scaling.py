@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 
-from edmlift.library import Library
-from model.reference import distances, mds, stress
-
-pytest.importorskip("cvxpy", reason="needs tools/requirements-sdp.txt")
-
 from edmlift.metrics import rigid_errors
 from evaluation import scaling
+from model.reference import distances, mds, stress
 from model.sdp import Relaxation, descend, raw_stress
+
+pytest.importorskip("cvxpy", reason="no cvxpy: pip install -r tools/requirements-sdp.txt")
 
 
 def people(count: int) -> np.ndarray:
@@ -67,8 +65,7 @@ def test_sample_takes_people_alike():
     assert np.unique(subject[which], return_counts=True)[1].tolist() == [10, 10, 4]
 
 
-def test_the_library_reaches_an_eq2_no_worse_than_the_papers_way():
-    library = Library()
+def test_the_library_reaches_an_eq2_no_worse_than_the_papers_way(library):
     ways = scaling.solvers(library)
     truth = people(20)
     wanted = np.array([off(pose) for pose in truth])

@@ -1,43 +1,31 @@
-"""Tracks through the binding, and tools/evaluate_video.py on motion whose figures are known."""
-
-import os
-from pathlib import Path
+"""Tracks through the binding, and tools/evaluation/video.py on motion whose figures are known."""
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from support import ROOT, TEST, need_motion
 
 from data import cameras
 from data.mocap import Motion, save_motion
-from edmlift import library as edmlift
 from edmlift.joints import INDEX, MIRROR, mid_hip
-from edmlift.library import Poses, Tracked
-from evaluation import video as video
+from edmlift.library import TRACK, Poses, Tracked
+from evaluation import cli, video
 from reports import markdown
 
-DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 DOCS = ROOT / "docs" / "video.md"
 WALK = np.loadtxt(ROOT / "examples" / "data" / "walk.csv", delimiter=",").reshape(-1, 14, 3)
 TIMES = np.arange(len(WALK)) * 33
 
 
-@pytest.fixture(scope="module")
-def library() -> edmlift.Library:
-    path = Path(os.environ.get("EDMLIFT_LIBRARY", edmlift.LIBRARY))
-    if "EDMLIFT_LIBRARY" not in os.environ and not path.exists():
-        pytest.skip("the tools' library is not built")
-    return edmlift.Library()
-
-
-def test_the_noise_from_which_on_filters_are_whole_can_be_set(library):
-    """Exact keypoints are filtered less, unless the track is told to see no difference."""
+def test_the_jitter_at_which_filters_act_in_full_can_be_set(library):
+    """Exact keypoints are filtered less, unless the filters always act in full."""
     view = video.View(WALK, np.zeros((len(WALK), 2), bool))
     clip = video.Clip(WALK, TIMES, 1)
     alone = library.lift(WALK).joints
-    own, whole = (
-        np.abs(video.track(library, view, clip, noise).joints - alone).mean() for noise in (None, 0)
+    own, full = (
+        np.abs(video.track(library, view, clip, jitter).joints - alone).mean()
+        for jitter in (None, 0)
     )
-    assert own < whole / 2
+    assert own < full / 2
 
 
 # The binding
@@ -47,8 +35,8 @@ def test_a_still_person_is_as_lifted(library):
     still = np.repeat(WALK[:1], 20, 0)
     tracked = library.track().lift(still, TIMES[:20])
     np.testing.assert_array_equal(tracked.joints, library.lift(still).joints)
-    assert (tracked.status == "ok").all() and (tracked.seen == (1 << 14) - 1).all()
-    assert not (tracked.held.any() or tracked.exchanged.any() or tracked.mirrored.any())
+    assert (tracked.status == "ok").all() and tracked.seen.all()
+    assert not (tracked.held.any() or tracked.swapped.any() or tracked.mirrored.any())
     assert list(tracked.elapsed[:3]) == [0, 33, 33]
 
 
@@ -59,9 +47,9 @@ def test_reports_and_statuses(library):
     keypoints[18, 0, 0] = np.nan
     times[21] = times[20]
     tracked = library.track().lift(keypoints, times)
-    assert list(np.flatnonzero(tracked.held)) == [12] and tracked.held[12] == 1 << 3
-    assert tracked.seen[12] == ((1 << 14) - 1) & ~(1 << 3)
-    assert list(np.flatnonzero(tracked.exchanged)) == [15] and tracked.exchanged[15] == 3
+    assert np.argwhere(tracked.held).tolist() == [[12, 3]]
+    assert np.flatnonzero(~tracked.seen[12]).tolist() == [3]
+    assert np.argwhere(tracked.swapped).tolist() == [[15, 0], [15, 1]]
     assert {i: s for i, s in enumerate(tracked.status) if s != "ok"} == {
         18: "not_finite",
         21: "time",
@@ -89,13 +77,13 @@ def test_calls_continue_the_track(library):
 def test_wrong_shapes(library):
     with pytest.raises(ValueError, match=r"keypoints must be \[F,14,3\]"):
         library.track().lift(WALK[..., :2], TIMES)
-    with pytest.raises(ValueError, match="time must be"):
+    with pytest.raises(ValueError, match="times must be"):
         library.track().lift(WALK, TIMES[:-1])
 
 
 def test_its_size_is_what_is_written():
     for page in (ROOT / "README.md", DOCS):
-        assert f"{edmlift.TRACK.itemsize} bytes" in page.read_text("utf-8")
+        assert f"{TRACK.itemsize} bytes" in page.read_text("utf-8")
 
 
 # The measurement
@@ -122,17 +110,12 @@ STANDING = np.array(  # metres, y up
 )  # fmt: skip
 
 
-def poses(joints: np.ndarray) -> Poses:
-    count = len(joints)
-    return Poses(joints, np.zeros(count), np.zeros(count), np.full(count, "ok"))
-
-
 @pytest.mark.parametrize("late", [0, 1, 2])
 def test_lag_and_error_of_a_late_lifter(clip, late):
     rooted = clip.truth - mid_hip(clip.truth)[:, None]
-    figures, squares = video.measure(poses(np.roll(rooted, late, 0)), clip)
+    figures, squares = video.measure(Poses.of(np.roll(rooted, late, 0)), clip)
     assert video.LAGS[np.argmin(squares)] == pytest.approx(late, abs=0.05)
-    assert (np.nanmean(figures["error"]) < 1e-6) == (late == 0)
+    assert (np.nanmean(figures["error"]) < 1e-3) == (late == 0)
 
 
 def test_jitter_is_the_second_difference(clip):
@@ -163,17 +146,19 @@ def test_spells_are_as_frequent_and_as_long_as_said():
     assert on.sum() / begins * 0.033 == pytest.approx(0.2, rel=0.15)
 
 
-def test_what_is_exchanged_is_counted(clip):
+def test_swaps_are_counted(clip):
     views = video.views(clip, np.random.default_rng(5))
-    wrong = views["exchanged"].exchanged
-    assert wrong.any() and not views["noisy"].exchanged.any()
-    back = video.exchange(views["exchanged"].keypoints, wrong)
+    wrong = views["swapped"].swapped
+    assert wrong.any() and not views["noisy"].swapped.any()
+    back = video.swap(views["swapped"].keypoints, wrong)
     np.testing.assert_array_equal(back, views["noisy"].keypoints)
-    said = (wrong[:, 0] + 2 * wrong[:, 1]).astype(np.uint8)
-    said[0] ^= 1
+    said = wrong.copy()
+    said[0, 0] ^= True
     no = np.zeros(200)
-    tracked = Tracked(swing(200), no, no, np.full(200, "ok"), no, no, said, no, no)
-    counts = video.exchanges(tracked, views["exchanged"])
+    tracked = Tracked(
+        **vars(Poses.of(swing(200))), held=no, swapped=said, mirrored=no, elapsed=no
+    )
+    counts = video.swaps(tracked, views["swapped"])
     assert counts["missed"] + counts["false"] == 1
     assert counts["found"] + counts["missed"] == wrong.sum()
 
@@ -223,12 +208,11 @@ def test_what_must_hold_of_a_detectors_keypoints(name):
 
 
 @pytest.mark.parametrize(
-    "name, source", [("video15", "cmu14_test.npz"), ("video30", "cmu_raw/subjects/02")]
+    "name, source", [("video15", TEST), ("video30", "cmu_raw/subjects/02")]
 )
 def test_the_table_is_what_is_measured(name, source, library):
-    if not (DATA / source).exists():
-        pytest.skip("needs the test people")
-    clips = video.cut(video.load(DATA / source, 30), np.random.default_rng(video.SEED))
+    motion = video.load_video(need_motion(source), 30)
+    clips = video.cut(motion, np.random.default_rng(video.SEED))
     text = video.report(video.evaluate(library, clips), clips)
     assert markdown.read(DOCS, name).strip() == text.strip()
 
@@ -236,17 +220,17 @@ def test_the_table_is_what_is_measured(name, source, library):
 def test_command_line(tmp_path, library, capsys):
     page = tmp_path / "page.md"
     page.write_text("<!-- begin video -->\n<!-- end video -->\n")
-    assert video.main([str(tmp_path / "none.npz")]) == 1
+    assert cli.main(["video", str(tmp_path / "none.npz")]) == 1
     assert "none.npz: no such file" in capsys.readouterr().err
     motion = Motion(
         np.repeat(STANDING[None], 20, 0), np.ones(20, int), np.ones(20, int), np.arange(20) * 8,
         np.zeros(20, int), (), "made up",
     )  # fmt: skip
     save_motion(motion, tmp_path / "still.npz", 15)
-    assert video.main([str(tmp_path / "still.npz"), "--update", str(page)]) == 0
+    assert cli.main(["video", str(tmp_path / "still.npz"), "--update", str(page)]) == 0
     printed = capsys.readouterr().out
     assert markdown.read(page, "video") == printed
     assert "true jitter is 0.0 mm" in printed
     save_motion(motion.take(np.arange(10)), tmp_path / "short.npz", 15)
-    assert video.main([str(tmp_path / "short.npz")]) == 1
+    assert cli.main(["video", str(tmp_path / "short.npz")]) == 1
     assert "no 15 frames in a row" in capsys.readouterr().err

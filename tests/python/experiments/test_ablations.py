@@ -4,12 +4,16 @@ import json
 
 import numpy as np
 import pytest
-from conftest import ROOT, run_tool
 from motions import people, write_motion
+from support import ROOT, run_tool
 
+from data import cameras
 from experiments import ablations
+from export.build import build_library
 from reports import markdown
-from training import train
+from training.loss import NETWORKS
+from training.recipe import Recipe
+from training.views import draw_2d
 
 
 def run(*arguments):
@@ -19,10 +23,10 @@ def run(*arguments):
 def test_the_regimes_draw_what_they_say():
     joints = people(2000).joints
     off = {}
-    for name in list(ablations.RECIPES)[:3]:
-        recipe = ablations.RECIPES[name]
-        keypoints, truth = train.draw_2d(joints, recipe, np.random.default_rng(0))
-        exact = train.cameras.project(truth.astype(float))
+    for name in list(ablations.ABLATIONS)[:3]:
+        recipe = ablations.ABLATIONS[name]
+        keypoints, truth = draw_2d(joints, recipe, np.random.default_rng(0))
+        exact = cameras.project(truth.astype(float))
         off[name] = np.linalg.norm(keypoints[..., :2] - exact, axis=-1).max(1)
     exact, detector, both = off.values()
     assert exact.max() < 0.01
@@ -30,24 +34,24 @@ def test_the_regimes_draw_what_they_say():
     assert (both < 0.01).mean() == pytest.approx(0.5, abs=0.05)
 
 
-@pytest.mark.parametrize("network", train.NETWORKS)
+@pytest.mark.parametrize("network", NETWORKS)
 def test_the_library_of_a_network_is_that_network(tmp_path, network):
     motion = people(200)
-    recipe = train.Recipe(network=network, l2_epochs=2, mds_epochs=0, batch=100)
+    recipe = Recipe(network=network, l2_epochs=2, mds_epochs=0, batch=100)
     weights = tmp_path / "0.npz"
     trained = ablations.run_recipe(motion, recipe, 3, weights)
-    library = ablations.build(weights, network)
+    library = build_library(weights, tmp_path / "library")
     edm = np.random.default_rng(1).uniform(0, 2, 91).astype(np.float32)
     expected = np.asarray(trained.network.predict(trained.params, edm[None]))[0]
     # FConv's weights are rounded to 12 bits.
-    assert np.allclose(library.net(edm), expected, atol=2e-3 if network == "fconv" else 1e-5)
+    assert np.allclose(library.predict(edm), expected, atol=2e-3 if network == "fconv" else 1e-5)
 
 
 def test_the_command_trains_measures_and_writes_both_tables(tmp_path):
     motion = write_motion(tmp_path / "motion.npz", people())
     page, results = tmp_path / "page.md", tmp_path / "results.json"
     page.write_text("<!-- begin recipes -->\n<!-- end recipes -->\n")
-    names = list(ablations.RECIPES)[:2]
+    names = list(ablations.ABLATIONS)[:2]
     out = ("--out", tmp_path / "out", "--json", results, "--update", page)
     done = run(motion, motion, "--epochs", 2, *out, "--recipes", *names[::-1])
     assert done.returncode == 0, done.stderr
@@ -62,7 +66,7 @@ def test_the_command_trains_measures_and_writes_both_tables(tmp_path):
 def test_the_page_has_the_results():
     page = ROOT / "docs" / "accuracy.md"
     results = json.loads(ablations.RESULTS.read_text())
-    assert list(results) == list(ablations.RECIPES)
+    assert list(results) == list(ablations.ABLATIONS)
     assert markdown.read(page, "recipes").strip() == ablations.report(results).strip()
 
 

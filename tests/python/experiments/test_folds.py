@@ -4,12 +4,13 @@ import json
 
 import numpy as np
 import pytest
-from conftest import ROOT
 from motions import people, write_motion
+from support import ROOT
 
+from data.views import views
 from edmlift.joints import mid_hip
 from edmlift.library import Poses
-from evaluation import accuracy
+from evaluation.measures import person_errors
 from experiments import folds
 from reports import markdown, plots
 
@@ -32,19 +33,19 @@ class Off:
     def __init__(self, truth, subject, refused):
         self.joints = truth - mid_hip(truth)[:, None]
         self.joints[:, 4, 0] += 0.014 * subject
-        self.status = np.where(refused, "unusual", "ok")
+        self.status = np.where(refused, "aspect", "ok")
 
     def lift(self, keypoints):
-        return Poses(self.joints, self.status, self.status, self.status)
+        return Poses.of(self.joints, status=self.status)
 
 
 def test_errors_are_each_persons_own_and_refused_poses_are_left_out():
     motion = people(80)
-    column = accuracy.views(motion.joints)["gt"]
+    column = views(motion.joints)["gt"]
     refused = np.arange(80) % 8 == 0
     lifter = Off(column.truth, motion.subject, refused)
     lifter.joints[refused] += np.random.default_rng(1).normal(0, 1, (10, 14, 3))
-    errors = folds.person_errors(lifter, column, motion.subject)
+    errors = person_errors(lifter, column, motion.subject)
     assert list(errors) == ["1", "2", "3", "4"]
     assert all(1.9 * n < errors[str(n)] < 2.1 * n for n in range(1, 5))
 
@@ -57,12 +58,12 @@ def short(tmp_path, monkeypatch):
 
     def lifters(rest, held, epochs, folder, seed):
         trained.append((set(rest.subject.tolist()), set(held.subject.tolist())))
-        columns = accuracy.views(held.joints)
+        columns = views(held.joints)
         for number, title in enumerate((folds.LIBRARY, OTHER)):
             yield title, Off(columns["gt"].truth, held.subject + number, held.subject < 0)
 
     def run(*options):
-        command = ["evaluate_people.py", motion, "--folds", 2, "--out", tmp_path / "out", *options]
+        command = ["folds", motion, "--folds", 2, "--out", tmp_path / "out", *options]
         monkeypatch.setattr("sys.argv", [str(word) for word in command])
         return folds.main()
 
@@ -99,7 +100,7 @@ def test_errors_of_the_command_are_clear(tmp_path, short, capsys):
 
 def test_the_networks_are_trained_and_lift(tmp_path):
     rest, held = people(300), people(60)
-    view = accuracy.views(held.joints)["rand2"]
+    view = views(held.joints)["rand2"]
     titles = []
     for title, lifter in folds.lifters(rest, held, 2, tmp_path, 0):
         poses = lifter.lift(view.keypoints)

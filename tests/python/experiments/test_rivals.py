@@ -8,15 +8,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from conftest import run_tool
 from motions import people
 from scipy.spatial.transform import Rotation
+from support import run_tool
 
 from data.mocap import MocapError, Motion
 from edmlift.joints import JOINTS, PAIRS
 from experiments import rivals
 from model import coordinates, jax_stages
-from training import train
+from training.recipe import RECIPES, Recipe
+from training.views import draw_2d, imputation_of, pick_poses
 
 PLAIN = rivals.recipe(hidden=(16, 16), mds_epochs=3, batch=50, average=0.9)
 RESIDUAL = rivals.martinez(hidden=(16,) * 5, mds_epochs=3, batch=100, average=0.9)
@@ -24,7 +25,7 @@ COLUMNS = ("gt", "n10", "cpm", "rand2")
 
 
 def views(count: int = 400) -> tuple[np.ndarray, np.ndarray]:
-    return train.draw_2d(people(count).joints, PLAIN, np.random.default_rng(3))
+    return draw_2d(people(count).joints, PLAIN, np.random.default_rng(3))
 
 
 def test_the_input_is_what_the_distances_are_made_of():
@@ -41,17 +42,17 @@ def test_the_input_is_what_the_distances_are_made_of():
     assert np.allclose(top, -1, atol=1e-5) and np.allclose(bottom, 1, atol=1e-5)
 
 
-def test_missing_joints_may_be_guessed():
+def test_missing_joints_may_be_imputed():
     keypoints, _ = views()
     seen = keypoints[..., 2] > 0
     zero = np.asarray(coordinates.inputs(jnp.asarray(keypoints))).reshape(-1, 14, 2)
-    completion = train.completion_of(train.RECIPES["mds"])
-    guessed = coordinates.inputs(jnp.asarray(keypoints), completion=completion)
-    guessed = np.asarray(guessed).reshape(-1, 14, 2)
-    assert np.allclose(guessed[seen], zero[seen], atol=1e-4)
+    imputation = imputation_of(RECIPES["mds"])
+    imputed = coordinates.inputs(jnp.asarray(keypoints), imputation=imputation)
+    imputed = np.asarray(imputed).reshape(-1, 14, 2)
+    assert np.allclose(imputed[seen], zero[seen], atol=1e-4)
     # Where each is expected, given all the others.
-    assert np.allclose((completion @ guessed)[~seen], guessed[~seen], atol=1e-3)
-    assert np.abs(guessed[~seen]).mean() > 0.1
+    assert np.allclose((imputation @ imputed)[~seen], imputed[~seen], atol=1e-3)
+    assert np.abs(imputed[~seen]).mean() > 0.1
 
 
 def test_neither_size_nor_place_nor_a_joint_that_is_not_seen_matters():
@@ -63,7 +64,7 @@ def test_neither_size_nor_place_nor_a_joint_that_is_not_seen_matters():
 
 
 def test_rivals_have_the_parameters_that_they_are_named_for():
-    runs = {n: rivals.Run(people(1100), r, 0) for n, r in rivals.RIVALS.items()}
+    runs = {n: rivals.RivalRun(people(1100), r, 0) for n, r in rivals.RIVALS.items()}
     sizes = {name: coordinates.count(run.layers) for name, run in runs.items()}
     assert sizes["mlp40k"] == sizes["mlp40k_guess"] == sizes["mlp40k_blend"]
     assert sizes["mlp40k"] == pytest.approx(40_027, rel=0.01)  # FConn's
@@ -73,11 +74,11 @@ def test_rivals_have_the_parameters_that_they_are_named_for():
 
 def test_all_rivals_see_what_fconn_sees():
     drawn = ("noise", "detector", "bodies", "masks", "balance")
-    known = {field.name for field in dataclasses.fields(train.Recipe)}
+    known = {field.name for field in dataclasses.fields(Recipe)}
     drawn += tuple(known & {"flip", "mix", "adapted"})
     for recipe in (*rivals.RIVALS.values(), *rivals.TRIALS.values()):
         for name in drawn:
-            assert getattr(recipe, name) == getattr(train.RECIPES["mds"], name), name
+            assert getattr(recipe, name) == getattr(RECIPES["mds"], name), name
 
 
 def test_the_residual_network_is_martinez():
@@ -109,27 +110,27 @@ def test_dropout_is_for_training_only():
     assert np.allclose(still, coordinates.forward(params, x, True, used)[0], atol=1e-6)
 
 
-def test_the_losses_are_of_turned_and_of_mirrored_poses():
+def test_the_losses_are_of_rotated_and_of_mirrored_poses():
     truth = jnp.asarray(views(20)[1])
-    turn = Rotation.from_euler("y", 90, degrees=True).as_matrix().astype(np.float32)
+    rotation = Rotation.from_euler("y", 90, degrees=True).as_matrix().astype(np.float32)
     centred = truth - truth.mean(1, keepdims=True)
     assert coordinates.camera_errors(centred, truth).max() < 1e-5
-    assert coordinates.camera_errors(centred @ turn, truth).mean() > 0.1
-    assert jax_stages.joint_errors(centred @ turn, truth, mirror=False).max() < 1e-3
+    assert coordinates.camera_errors(centred @ rotation, truth).mean() > 0.1
+    assert jax_stages.joint_errors(centred @ rotation, truth, mirror=False).max() < 1e-3
     flipped = centred * jnp.array([1, 1, -1])
     assert jax_stages.joint_errors(flipped, truth, mirror=False).mean() > 0.01
 
 
 @pytest.mark.parametrize("recipe", [PLAIN, RESIDUAL], ids=["plain", "residual"])
 def test_the_loss_falls_and_a_resumed_run_is_the_same(tmp_path, recipe):
-    whole, losses = rivals.Run(people(), recipe, 7), []
+    whole, losses = rivals.RivalRun(people(), recipe, 7), []
     while whole.epoch < whole.epochs:
         losses.append(whole.advance(whole.draw(whole.epoch)))
         if whole.epoch == 2:
             whole.curve = {2: {"gt": 1.0}}
             whole.save_state(tmp_path / "a.state")
     assert losses[-1] < losses[0]
-    resumed = rivals.Run(people(), recipe, 7)
+    resumed = rivals.RivalRun(people(), recipe, 7)
     resumed.load_state(tmp_path / "a.state")
     assert resumed.epoch == 2 and resumed.curve == {2: {"gt": 1.0}}
     resumed.advance(resumed.draw(resumed.epoch))
@@ -139,9 +140,9 @@ def test_the_loss_falls_and_a_resumed_run_is_the_same(tmp_path, recipe):
 
 def test_a_run_alone_is_the_run_among_others(tmp_path):
     motion, recipes = people(), {"plain": PLAIN, "residual": RESIDUAL}
-    together = {n: rivals.Run(motion, r, 7) for n, r in recipes.items()}
+    together = {n: rivals.RivalRun(motion, r, 7) for n, r in recipes.items()}
     rivals.train_all(together, motion, tmp_path)
-    alone = {"residual": rivals.Run(motion, RESIDUAL, 7)}
+    alone = {"residual": rivals.RivalRun(motion, RESIDUAL, 7)}
     rivals.train_all(alone, motion, tmp_path)
     for one, two in zip(
         *(jax.tree.leaves(runs["residual"].carry) for runs in (together, alone)), strict=True
@@ -152,18 +153,18 @@ def test_a_run_alone_is_the_run_among_others(tmp_path):
 
 
 def test_a_state_of_another_recipe_or_motion_is_refused(tmp_path):
-    rivals.Run(people(), PLAIN, 7).save_state(tmp_path / "a.state")
+    rivals.RivalRun(people(), PLAIN, 7).save_state(tmp_path / "a.state")
     for other in (
-        rivals.Run(people(), PLAIN, 8),
-        rivals.Run(people(390), PLAIN, 7),
-        rivals.Run(people(), dataclasses.replace(PLAIN, rigid=0.25), 7),
+        rivals.RivalRun(people(), PLAIN, 8),
+        rivals.RivalRun(people(390), PLAIN, 7),
+        rivals.RivalRun(people(), dataclasses.replace(PLAIN, rigid=0.25), 7),
     ):
         with pytest.raises(ValueError, match="remove it to start anew"):
             other.load_state(tmp_path / "a.state")
 
 
 def test_a_lifter_has_the_averaged_weights_and_their_own_normalisation():
-    run = rivals.Run(people(), RESIDUAL, 7)
+    run = rivals.RivalRun(people(), RESIDUAL, 7)
     for epoch in range(3):
         run.advance(run.draw(epoch))
     keypoints, _ = views()
@@ -175,35 +176,35 @@ def test_a_lifter_has_the_averaged_weights_and_their_own_normalisation():
     # By fixed statistics: a pose is lifted alone as it is among others ...
     assert np.allclose(lifter.lift(keypoints[:1]).joints, whole.joints[:1], atol=1e-5)
     # ... which are those that the averaged weights have on training views, without dropout.
-    last = rivals.Lifter(RESIDUAL, run.carry[0], lifter.statistics).lift(keypoints)
+    last = rivals.Rival(RESIDUAL, run.carry[0], lifter.statistics).lift(keypoints)
     assert np.abs(last.joints - whole.joints).max() > 1e-4
     rng = np.random.default_rng([7, 1 << 31])
-    chosen = train.pick_poses(run.motion.subject, RESIDUAL, rng)
-    seen, _ = train.draw_2d(run.motion.joints[chosen], RESIDUAL, rng)
+    chosen = pick_poses(run.motion.subject, RESIDUAL, rng)
+    seen, _ = draw_2d(run.motion.joints[chosen], RESIDUAL, rng)
     first = coordinates.inputs(jnp.asarray(seen)) @ run.layers[0][0] + run.layers[0][1]
     assert np.allclose(lifter.statistics[0][0], first.mean(0), atol=1e-4)
     assert np.allclose(lifter.statistics[0][1], first.var(0), rtol=1e-3)
 
 
-def test_a_rival_may_be_blended_with_the_image():
-    run = rivals.Run(people(), dataclasses.replace(PLAIN, blend=True), 7)
+def test_a_rival_may_be_fused_with_the_image():
+    run = rivals.RivalRun(people(), dataclasses.replace(PLAIN, fuse=True), 7)
     for epoch in range(3):
         run.advance(run.draw(epoch))
     keypoints, _ = views()
     lifter = run.settle()
     plain = dataclasses.replace(lifter, params={"layers": run.layers})
-    expected = jax_stages.blend(plain.lift(keypoints).joints, keypoints, run.params["blend"])
+    expected = jax_stages.fuse(plain.lift(keypoints).joints, keypoints, run.params["fusion"])
     got = lifter.lift(keypoints).joints
     assert np.allclose(
         got - got.mean(1, keepdims=True), expected - expected.mean(1, keepdims=True), atol=1e-5
     )
     assert np.abs(got - plain.lift(keypoints).joints).max() > 0.01
-    assert not np.array_equal(run.params["blend"], jax_stages.BLEND)
+    assert not np.array_equal(run.params["fusion"], jax_stages.FUSION)
 
 
 def test_too_few_poses_are_an_error():
     with pytest.raises(MocapError, match="do not fill a batch"):
-        rivals.Run(people(20), PLAIN, 0)
+        rivals.RivalRun(people(20), PLAIN, 0)
 
 
 def save(motion: Motion, path: Path) -> Path:
@@ -253,8 +254,8 @@ def test_bad_input_is_a_clear_error(tmp_path, files):
 
 
 def test_trials_have_a_table(tmp_path):
-    run = rivals.Run(people(), PLAIN, 7)
+    run = rivals.RivalRun(people(), PLAIN, 7)
     rivals.train_all({"plain": run}, people(40), tmp_path)
-    text = rivals.tried_markdown({"plain": rivals.tried(run, [3])})
+    text = rivals.trials_table({"plain": rivals.tried(run, [3])})
     assert "| parameters | epochs | gt | n10 | cpm | rand2 |" in text
     assert f"| plain | {coordinates.count(run.layers):,} | 3 |" in text

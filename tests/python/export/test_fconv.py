@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builds import need
-from conftest import ROOT
+from export.weights import ExportError
+from support import ROOT
 
 from export import cli, fconv, quantise
 from export.cli import main
 from export.quantise import METRE
-from export.weights import ExportError
 from model import reference
 from reports.targets import INCLUDES, library_flags
 

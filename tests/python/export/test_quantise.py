@@ -11,15 +11,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builds import need_cross_compiler
-from conftest import ROOT
+from export.weights import ExportError, Layer
 from motions import people
+from support import ROOT
 
 from edmlift import library as edmlift
 from edmlift.joints import JOINTS
 from export import quantise
 from export.cli import main, read_network
 from export.quantise import ACTIVATION, METRE, WORD, Dense
-from export.weights import ExportError, Layer
 from reports import targets
 
 FORMS = ("q15", "q7")

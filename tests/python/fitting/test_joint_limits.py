@@ -1,12 +1,11 @@
 """Joint limits: header, library and page are what is learned, counted and measured."""
 
-import os
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT, run_tool
+from support import ROOT, TEST, TRAIN, need_motion, run_tool
 
 from data.mocap import Motion, load_motion, save_motion
 from edmlift import library as edmlift
@@ -16,16 +15,8 @@ from fitting import joint_limits
 from model import reference
 from reports import markdown
 
-DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 PAGE = ROOT / "docs" / "accuracy.md"
 CLIPS = ("walk", "kick", "cartwheel", "tpose")
-
-
-@pytest.fixture(scope="module")
-def library() -> edmlift.Library:
-    if not Path(os.environ.get("EDMLIFT_LIBRARY", edmlift.LIBRARY)).exists():
-        pytest.skip("the tools' library is not built")
-    return edmlift.Library()
 
 
 @pytest.fixture(scope="module")
@@ -46,12 +37,6 @@ def clips() -> np.ndarray:
     return np.concatenate(rows).reshape(-1, 14, 3)
 
 
-def need(name: str) -> Path:
-    if not (DATA / name).exists():
-        pytest.skip("needs the motion data")
-    return DATA / name
-
-
 def someone(count: int, joints: np.ndarray) -> Motion:
     """Motion of one person, the poses given over and over."""
     number = np.arange(count)
@@ -66,7 +51,7 @@ def someone(count: int, joints: np.ndarray) -> Motion:
 
 def test_the_header_is_learned_from_the_training_people_byte_for_byte(tmp_path: Path):
     out = tmp_path / "joint_limits.h"
-    done = run_tool("fitting.joint_limits", need("cmu14_train.npz"), "--out", out)
+    done = run_tool("fitting.joint_limits", need_motion(TRAIN), "--out", out)
     assert done.returncode == 0, done.stderr
     assert out.read_bytes() == joint_limits.OUT.read_bytes()
 
@@ -184,7 +169,7 @@ def test_the_library_counts_as_numpy_does(
 
 @pytest.fixture(scope="module")
 def tables(library: edmlift.Library) -> dict[str, str]:
-    return mirror.evaluate(library, load_motion(need("cmu14_test.npz")))
+    return mirror.evaluate(library, load_motion(need_motion(TEST)))
 
 
 @pytest.mark.parametrize("name", ["mirror", "beyond", "mirror_actions"])

@@ -1,29 +1,26 @@
-"""FConn with left and right alike: NumPy, JAX, the exporter and C agree, whatever the weights."""
+"""The equivariant FConn: NumPy, JAX, the exporter and C agree, whatever the weights."""
 
-import ctypes
 import json
-import subprocess
 from pathlib import Path
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from builds import need
-from conftest import ROOT
+from support import build_model, load_model
 
 from edmlift import joints as skeleton
 from export import cli, quantise
 from export import equivariant as layout
-from export.quantise import ACTIVATION, METRE, WORD
-from export.weights import ExportError, Layer
+from export.calibrate import activations, calibrate
+from export.kinds import EQUIVARIANT, read_network
+from export.layers import ExportError, Layer
+from export.quantise import METRE, WORD
 from model import equivariant, reference
-from reports.targets import INCLUDES, library_flags
 
-SOURCES = "twin_f32 twin_q15 twin_q7 model net_f32 completion".split()
 MANIFEST = {
     "fewest_joints": 10,
-    "widest": 3,
-    "missing": "completed",
+    "max_aspect": 3,
+    "missing": "imputed",
     "objective": "none",
     "refine_steps": 0,
     "mirror": [0.5, -1.25, 0.1, 2, 0],
@@ -50,41 +47,29 @@ def params() -> dict:
 
 @pytest.fixture
 def folder(tmp_path: Path, params, edms) -> Path:
-    np.savez(tmp_path / "net.npz", **equivariant.shipped(params))
-    kind, layers = cli.read_network(tmp_path / "net.npz")
-    assert kind is cli.TWIN
-    calibration = quantise.calibrate(layers, edms.astype(float), layout.PLAN)
+    np.savez(tmp_path / "net.npz", **equivariant.to_arrays(params))
+    kind, layers = read_network(tmp_path / "net.npz")
+    assert kind is EQUIVARIANT
+    calibration = calibrate(layers, edms.astype(float), layout.PLAN)
     (tmp_path / "net.json").write_text(json.dumps(MANIFEST | {"calibration": calibration}))
     return tmp_path
 
 
 def pairs(params) -> list[Layer]:
-    arrays = equivariant.shipped(params)
+    arrays = equivariant.to_arrays(params)
     return [Layer(arrays[f"weight{k}"], arrays[f"bias{k}"]) for k in range(3)]
 
 
 def predict(folder: Path, form: str, edms: np.ndarray) -> np.ndarray:
-    """Distances [F,91] by edml_net_f32() of the exported model."""
-    need("gcc")
-    header = folder / f"their_{form}.h"
+    """Distances [F,91] by edml_predict() of the exported model."""
     options = [] if form == "f32" else ["--quantise", form]
+    header = folder / f"their_{form}.h"
     command = [str(folder / "net.npz"), "--name", "their", "--out", str(header), *options]
     assert cli.main(command) == 0
-    (folder / "model.c").write_text(f'#include "model.h"\n#include "{header.name}"\n')
-    sources = [folder / "model.c", *(ROOT / "lib" / f"{name}.c" for name in SOURCES)]
-    shared = ["gcc", *library_flags(), "-O2", "-fPIC", "-shared", *INCLUDES]
-    subprocess.run([*shared, *sources, "-lm", "-o", folder / f"{form}.so"], check=True)
-    c = ctypes.CDLL(str(folder / f"{form}.so"))
-    model = ctypes.byref(ctypes.c_char.in_dll(c, f"edml_their_{form}"))
-    assert c.edml_model_check(model) == 0  # the checksum is of what was compiled
-    work, out = ctypes.create_string_buffer(8192), np.zeros(edms.shape, np.float32)
-    for edm, distance in zip(edms, out, strict=True):
-        arrays = (ctypes.c_void_p(array.ctypes.data) for array in (distance, edm))
-        c.edml_net_f32(*arrays, model, work)
-    return out
+    return load_model(build_model(header), f"their_{form}")(edms)
 
 
-def test_twins_are_pairs_with_left_for_right():
+def test_mirror_pairs_are_pairs_with_left_for_right():
     assert len(skeleton.PAIR_MIRROR) == 49
     assert sorted(set(skeleton.PAIR_MIRROR.ravel())) == list(range(91))
     for first, second in skeleton.PAIR_MIRROR:
@@ -116,27 +101,27 @@ def test_c_is_the_oracle(folder, params, edms):
         np.testing.assert_allclose(distance, reference.net(pairs(params), edm), atol=1e-5)
 
 
-@pytest.mark.parametrize("form", ["q15", "q7"])
-def test_c_in_whole_numbers_is_numpy_exactly(folder, params, edms, form):
+@pytest.mark.parametrize("form", ["w16", "w8"])
+def test_c_in_integers_is_numpy_exactly(folder, params, edms, form):
     calibration = json.loads((folder / "net.json").read_text())["calibration"]
     network = quantise.quantise(pairs(params), calibration, form, layout.PLAN)
     whole = np.rint(edms.astype(float) * METRE).astype(np.int64)
     expected = quantise.run(network, whole, layout.PLAN)
     assert np.array_equal(predict(folder, form, edms), (expected / METRE).astype(np.float32))
-    exact = quantise.activations(pairs(params), edms.astype(float), layout.PLAN)[-1]
+    exact = activations(pairs(params), edms.astype(float), layout.PLAN)[-1]
     error = np.sqrt(np.mean((expected / METRE - exact) ** 2) / np.mean(exact**2))
-    assert error < {"q15": 0.003, "q7": 0.03}[form]  # a random network enlarges roundings
+    assert error < {"w16": 0.003, "w8": 0.03}[form]  # a random network enlarges roundings
 
 
-@pytest.mark.parametrize("form", ["q15", "q7"])
+@pytest.mark.parametrize("form", ["w16", "w8"])
 def test_no_sum_can_overflow(folder, params, form):
-    """Of first and second twins within 0 to the largest activation; the two sums by themselves, and
-    their sum and difference."""
+    """Both units of a mirror pair are within 0 and the largest activation; checked are the sums of
+    even and of odd weights, and their sum and difference."""
     calibration = json.loads((folder / "net.json").read_text())["calibration"]
     network = quantise.quantise(pairs(params), calibration, form, layout.PLAN)
-    most, fullest = ACTIVATION // 2, 0
+    most, fullest = quantise.ACTIVATION // 2, 0
     for k, dense in enumerate(network):
-        assert dense.most == (most if k < 2 else 3 * METRE)
+        assert dense.clamp == (most if k < 2 else 3 * METRE)
         even, odd = np.split(
             dense.weight.astype(np.int64), [49 if k == 0 else len(dense.weight) // 2]
         )
@@ -145,7 +130,7 @@ def test_no_sum_can_overflow(folder, params, form):
         highest, lowest = dense.bias + up + aside, dense.bias - down - aside
         assert highest.max() < WORD and lowest.min() >= -WORD
         fullest = max(fullest, highest.max(), -lowest.min())
-    assert form == "q7" or fullest > 0.99 * WORD  # no bit is wasted
+    assert form == "w8" or fullest > 0.99 * WORD  # no bit is wasted
 
 
 def refused(folder: Path, capsys, **arrays: np.ndarray) -> str:
@@ -160,7 +145,7 @@ def refused(folder: Path, capsys, **arrays: np.ndarray) -> str:
 def test_other_shapes_are_refused(folder, capsys):
     odd = {"weight0": np.ones((91, 36), np.float32), "bias0": np.ones(36, np.float32)}
     odd |= {"weight1": np.ones((72, 56), np.float32)}
-    assert "layer 0: 36 twins, not a multiple of 8" in refused(folder, capsys, **odd)
+    assert "layer 0: 36 outputs, not a multiple of 8" in refused(folder, capsys, **odd)
     wide = {"weight0": np.ones((91, 104), np.float32), "bias0": np.ones(104, np.float32)}
     wide |= {"weight1": np.ones((208, 56), np.float32)}
     assert "layer 0 is 208 wide, at most 192 fit" in refused(folder, capsys, **wide)
@@ -179,7 +164,7 @@ def test_what_a_hidden_layer_cannot_be(params):
     layers = pairs(params)
     crooked = layers[2].weight.copy()
     crooked[-1, 45] = 1e-3
-    with pytest.raises(ExportError, match="the last 7 outputs, their own twins, have odd weights"):
+    with pytest.raises(ExportError, match="the last 7 outputs, their own mirror, have odd weights"):
         layout.checked([*layers[:2], (crooked, layers[2].bias)])
     with pytest.raises(ExportError, match="the last layer gives 48 values, not 49"):
         layout.checked([*layers[:2], (layers[2].weight[:, :48], layers[2].bias[:48])])

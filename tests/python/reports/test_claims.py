@@ -2,14 +2,12 @@
 
 import dataclasses
 import json
-import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from builds import need_core
-from conftest import ROOT
+from support import ROOT
 
 from data.mocap import load_motion
 from edmlift import library as edmlift
@@ -19,7 +17,6 @@ from export import cli
 from reports import markdown, operations, size
 from reports.targets import TARGETS, compile_library, run
 
-DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 README = ROOT / "README.md"
 ACCURACY = ROOT / "docs" / "accuracy.md"
 

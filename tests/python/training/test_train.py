@@ -2,23 +2,22 @@
 
 import dataclasses
 import json
-import subprocess
-import sys
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from conftest import ROOT
 from motions import STANDING, people, write_motion
+from support import run_tool
 
 from data.mocap import MocapError
 from edmlift.joints import PAIRS
 from model import fconn, fconv, jax_stages, reference
-from training import mirror, train
+from training import manifest, mirror, views
+from training.recipe import MAX_MISSING, RECIPES, Recipe, scale_epochs
+from training.run import Run, split
 
-TRAIN = ROOT / "tools" / "train.py"
-SHORT = train.Recipe(l2_epochs=2, mds_epochs=2, batch=50)
+SHORT = Recipe(l2_epochs=2, mds_epochs=2, batch=50)
 
 
 def test_the_mds_is_the_references():
@@ -49,37 +48,37 @@ def test_the_gradient_through_the_mds_is_the_slope():
 
 
 def test_the_input_is_the_references():
-    keypoints, _ = train.draw_2d(people().joints, SHORT, np.random.default_rng(3))
+    keypoints, _ = views.draw_2d(people().joints, SHORT, np.random.default_rng(3))
     edm = np.asarray(jax_stages.edm_2d(jnp.asarray(keypoints)))
     for i in range(0, 400, 20):
         assert np.allclose(edm[i], reference.edm(keypoints[i].astype(float), 4, 99), atol=1e-5)
 
 
 def test_draws_hide_none_some_or_a_limb():
-    seen = train.draw_masks(4000, np.random.default_rng(4))
+    seen = views.draw_masks(4000, np.random.default_rng(4))
     missing = (~seen).sum(1)
     assert (missing == 0).mean() == pytest.approx(0.5, abs=0.03)
-    assert missing.max() == train.MAX_MISSING
+    assert missing.max() == MAX_MISSING
 
 
 def test_balancing_evens_out_the_subjects():
     subject = np.repeat([1, 2], [900, 100])
     rng = np.random.default_rng(5)
     share = [
-        (subject[train.pick_poses(subject, dataclasses.replace(SHORT, balance=b), rng)] == 2).mean()
+        (subject[views.pick_poses(subject, dataclasses.replace(SHORT, balance=b), rng)] == 2).mean()
         for b in (0.0, 0.5, 1.0)
     ]
     assert share == pytest.approx([0.1, 0.25, 0.5], abs=0.05)
 
 
 def test_the_loss_falls_and_a_resumed_run_is_the_same(tmp_path):
-    whole, losses = train.Run(people(), SHORT, 7), []
+    whole, losses = Run(people(), SHORT, 7), []
     while whole.epoch < whole.epochs:
         losses.append(whole.advance(whole.draw(whole.epoch)))
         if whole.epoch == 2:
             whole.save_state(tmp_path / "state")
     assert losses[1] < losses[0] and losses[3] < losses[2]
-    resumed = train.Run(people(), SHORT, 7)
+    resumed = Run(people(), SHORT, 7)
     resumed.load_state(tmp_path / "state")
     while resumed.epoch < resumed.epochs:
         resumed.advance(resumed.draw(resumed.epoch))
@@ -88,27 +87,34 @@ def test_the_loss_falls_and_a_resumed_run_is_the_same(tmp_path):
 
 
 def test_a_state_of_another_recipe_is_refused(tmp_path):
-    train.Run(people(), SHORT, 7).save_state(tmp_path / "state")
+    Run(people(), SHORT, 7).save_state(tmp_path / "state")
     with pytest.raises(ValueError, match="another recipe or seed"):
-        train.Run(people(), SHORT, 8).load_state(tmp_path / "state")
+        Run(people(), SHORT, 8).load_state(tmp_path / "state")
 
 
-def test_held_out_people_are_apart():
-    rest, held = train.split(people(), [2, 3])
+def test_held_out_people_are_kept_out():
+    rest, held = split(people(), [2, 3])
     assert set(rest.subject) == {1, 4} and set(held.subject) == {2, 3}
     with pytest.raises(MocapError, match="no subject .*9"):
-        train.split(people(), [9])
+        split(people(), [9])
 
 
 def test_too_few_poses_are_an_error():
     with pytest.raises(MocapError, match="do not fill a batch"):
-        train.Run(people(20), SHORT, 0)
+        Run(people(20), SHORT, 0)
 
 
 def test_the_papers_recipe_is_the_papers():
-    paper = train.RECIPES["paper"]
+    paper = RECIPES["paper"]
     assert (paper.l2_epochs, paper.mds_epochs, paper.batch) == (500, 0, 200)
     assert (paper.dropout, paper.rate, paper.drop_rate_at) == (0.5, 1e-3, 0.5)
+
+
+def test_epochs_are_scaled_to_a_total():
+    assert scale_epochs(RECIPES["mds"], None) is RECIPES["mds"]
+    few = scale_epochs(RECIPES["mds"], 60)
+    assert (few.l2_epochs, few.mds_epochs) == (10, 50)  # enough of L2 to begin with
+    assert scale_epochs(RECIPES["paper"], 7).epochs == 7
 
 
 def test_dropout_is_for_training_only():
@@ -159,7 +165,7 @@ def test_the_convolutions_are_convolutions():
     for n, size, pad in (
         (4, 7, (3, 3)),
         (7, 14, (3, 4)),
-    ):  # a transposed one turns the kernel round
+    ):
         x = draw(2, n, n, 4)
         expected = plain(x, w[::-1, ::-1], pad, dilation=2)  # a transposed one turns it round
         assert np.allclose(fconv.deconv(x, w, size), expected, atol=1e-4)
@@ -181,7 +187,7 @@ def batch_forward(params, edm):
 
 
 def test_fconvs_loss_falls():
-    run = train.Run(people(100), dataclasses.replace(SHORT, network="fconv"), 7)
+    run = Run(people(100), dataclasses.replace(SHORT, network="fconv"), 7)
     losses = [run.advance(run.draw(run.epoch)) for _ in range(4)]
     assert losses[1] < losses[0] and losses[3] < losses[2]
 
@@ -199,33 +205,27 @@ def test_the_refinement_that_is_chosen_is_the_best():
     truth = people(12).joints.astype(float)
     exact = np.array([reference.distances(t) for t in truth])
     noisy = exact * np.random.default_rng(6).uniform(0.7, 1.3, exact.shape)
-    errors = train.refinement_errors(noisy, truth)
+    errors = manifest.refinement_errors(noisy, truth)
     assert list(errors) == ["none", "square", "raw", "eq2"]
     assert errors["raw"] < errors["none"]  # independent errors: raw stress averages them out
-    assert train.refinement_errors(exact, truth)["none"] == pytest.approx(0, abs=0.01)
-
-
-def run_train(*arguments):
-    return subprocess.run(
-        [sys.executable, TRAIN, *map(str, arguments)], capture_output=True, text=True, check=False
-    )
+    assert manifest.refinement_errors(exact, truth)["none"] == pytest.approx(0, abs=0.01)
 
 
 def test_the_command_writes_weights_and_manifest(tmp_path):
     path = write_motion(tmp_path / "motion.npz", people())
     out = tmp_path / "net.npz"
-    done = run_train(path, "--out", out, "--epochs", 2, "--hold-out", 4)
+    done = run_tool("train.py", path, "--out", out, "--epochs", 2, "--hold-out", 4)
     assert done.returncode == 0, done.stderr
-    manifest = json.loads(out.with_suffix(".json").read_text())
-    assert manifest["data"]["subjects"] == [1, 2, 3] and manifest["data"]["held_out"] == [4]
-    assert len(manifest["mirror"]) == 5 and manifest["widest"] > 0.3
+    written = json.loads(out.with_suffix(".json").read_text())
+    assert written["data"]["subjects"] == [1, 2, 3] and written["data"]["held_out"] == [4]
+    assert len(written["mirror"]) == 5 and written["max_aspect"] > 0.3
     with np.load(out) as weights:
         assert weights["weight0"].shape == (91, 96) and weights["bias2"].shape == (49,)
     assert not out.with_suffix(".state").exists()
 
 
 def test_missing_motion_is_a_clear_error(tmp_path):
-    done = run_train(tmp_path / "none.npz", "--out", tmp_path / "net.npz")
+    done = run_tool("train.py", tmp_path / "none.npz", "--out", tmp_path / "net.npz")
     assert done.returncode == 1 and "none.npz" in done.stderr and "Traceback" not in done.stderr
 
 
@@ -233,9 +233,9 @@ def test_pairs_are_row_by_row():
     assert list(zip(*PAIRS, strict=True))[:3] == [(0, 1), (0, 2), (0, 3)]
 
 
-def test_orienting_and_blending_are_the_references():
+def test_orienting_and_fusing_are_the_references():
     rng = np.random.default_rng(8)
-    keypoints, truth = train.draw_2d(people(60).joints, SHORT, rng)
+    keypoints, truth = views.draw_2d(people(60).joints, SHORT, rng)
     distances = np.array([reference.distances(t) for t in truth.astype(float)])
     distances *= rng.uniform(0.9, 1.1, distances.shape)
     mine = np.asarray(
@@ -243,14 +243,14 @@ def test_orienting_and_blending_are_the_references():
             jnp.asarray(distances, jnp.float32),
             jnp.asarray(keypoints),
             jnp.asarray(truth),
-            jax_stages.BLEND,
+            jax_stages.FUSION,
         )
     )
-    settings = train.blend_settings(jax_stages.BLEND)
+    settings = manifest.fusion_settings(jax_stages.FUSION)
     for pose, d, seen, true in zip(mine, distances, keypoints.astype(float), truth, strict=True):
         points = reference.mds(d)
         both = [
-            reference.blend(reference.orient(points * [1, 1, z], seen), seen, **settings)
+            reference.fuse(reference.orient(points * [1, 1, z], seen), seen, **settings)
             for z in (1, -1)
         ]
         depth = true[:, 2] - true[:, 2].mean()
@@ -259,13 +259,13 @@ def test_orienting_and_blending_are_the_references():
 
 
 def test_blending_is_trained_along():
-    run = train.Run(people(), SHORT, 7)
+    run = Run(people(), SHORT, 7)
     while run.epoch < run.epochs:
         run.advance(run.draw(run.epoch))
-    assert not np.array_equal(run.params["blend"], jax_stages.BLEND)
+    assert not np.array_equal(run.params["blend"], jax_stages.FUSION)
     assert 0 < train.blend_settings(run.params["blend"])["share"] < 1
-    without = train.Run(people(), dataclasses.replace(SHORT, blend=False, rigid=1.0), 7)
+    without = Run(people(), dataclasses.replace(SHORT, blend=False, rigid=1.0), 7)
     assert "blend" not in without.params
     assert train.blend_settings(None)["share"] == 0
     with pytest.raises(ValueError, match="rigid must be 1 without the blend"):
-        train.Run(people(), dataclasses.replace(SHORT, blend=False), 7)
+        Run(people(), dataclasses.replace(SHORT, blend=False), 7)
