@@ -1,16 +1,15 @@
 """The motion capture reader, on small files made here and, where they are found, on CMU's."""
 
-import os
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from support import ROOT, run_tool
+from support import TEST, TRAIN, need_motion, run_tool
 
 from data import mocap
-from data.mocap import MocapError, Motion, Settings, Trial
+from data.mocap import Cleaning, MocapError, Motion, Trial
 from edmlift.joints import INDEX, JOINTS
 
 # ASF bones: parent, direction, length in inches (`length 1.0`), axis, channels.
@@ -385,7 +384,7 @@ def kept(
 ) -> list[int]:
     """Frames of a trial at `fps` that are kept at `rate`."""
     trial = Trial(joints, np.zeros(len(joints), bool), fps)
-    return mocap.clean(trial, Settings(fps=rate, **settings)).tolist()
+    return mocap.clean(trial, Cleaning(fps=rate, **settings)).tolist()
 
 
 def test_clean_thins_to_the_rate():
@@ -428,7 +427,7 @@ def test_clean_drops_t_poses_and_blank_frames_only():
     assert mocap.is_t_pose(joints).tolist() == [True] * 10 + [False] * 30
     assert every_frame(joints) == list(range(10, 40))
     blank = np.arange(40) % 2 == 1
-    assert (mocap.clean(Trial(joints, blank, 15.0), Settings(min_move=0)) % 2 == 0).all()
+    assert (mocap.clean(Trial(joints, blank, 15.0), Cleaning(min_move=0)) % 2 == 0).all()
 
 
 def test_t_pose_in_any_direction():
@@ -458,7 +457,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_folder_skips_and_counts_broken_files(folder: Path, capsys: pytest.CaptureFixture):
-    motion = mocap.read_folder(folder, Settings(bvh_unit=INCH))
+    motion = mocap.read_folder(folder, Cleaning(bvh_unit=INCH))
     assert sorted(set(motion.subject)) == [7, 9]
     assert set(motion.trial[motion.subject == 7]) == {3}
     assert motion.frame[motion.subject == 7][0] == 0
@@ -596,26 +595,16 @@ def test_load_unreadable_npz(tmp_path: Path):
 # CMU's own data, where a folder of the project's layout is found
 
 
-def real_data() -> Path:
-    return Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
-
-
-needs_data = pytest.mark.skipif(
-    not (real_data() / "cmu_raw").is_dir(), reason="no motion data; set EDMLIFT_DATA"
-)
-
-
 def of_trial(motion: Motion, subject: int, trial: int) -> tuple[np.ndarray, np.ndarray]:
     """Joints and frames of one trial."""
     here = (motion.subject == subject) & (motion.trial == trial)
     return motion.joints[here], motion.frame[here]
 
 
-@needs_data
-@pytest.mark.parametrize(("subject", "file"), [(16, "cmu14_train.npz"), (2, "cmu14_test.npz")])
+@pytest.mark.parametrize(("subject", "file"), [(16, TRAIN), (2, TEST)])
 def test_raw_trials_reproduce_the_npz(subject: int, file: str):
-    known = mocap.load_motion(real_data() / file)
-    folder = real_data() / "cmu_raw" / "subjects" / f"{subject:02d}"
+    known = mocap.load_motion(need_motion(file))
+    folder = need_motion(f"cmu_raw/subjects/{subject:02d}")
     read = mocap.load_motion(folder)
     for trial in np.unique(read.trial):
         joints, frames = of_trial(read, subject, trial)
@@ -624,15 +613,13 @@ def test_raw_trials_reproduce_the_npz(subject: int, file: str):
         np.testing.assert_allclose(joints, known_joints, atol=0.001)
 
 
-@needs_data
 def test_cgspeed_bvh_is_refused():
     with pytest.raises(MocapError, match=r"12_01_cgspeed\.bvh:\d+: Neck "):
-        mocap.read_bvh(real_data() / "cmu_raw" / "12_01_cgspeed.bvh")
+        mocap.read_bvh(need_motion("cmu_raw/12_01_cgspeed.bvh"))
 
 
-@needs_data
 def test_cgspeed_bvh_has_the_legs_right():
-    path = real_data() / "cmu_raw" / "12_01_cgspeed.bvh"
+    path = need_motion("cmu_raw/12_01_cgspeed.bvh")
     nodes, _ = mocap._bvh_nodes(mocap.TextFile(path), mocap.CGSPEED_UNIT)
     # Subject 12's skeleton is not at hand; with made-up bones for the lost ones the legs hold.
     bones = {"rfemur": nodes["RightLeg"].offset, "thorax": np.array([0, 0.1, 0])}
@@ -643,6 +630,6 @@ def test_cgspeed_bvh_has_the_legs_right():
     trial = mocap.read_bvh(path, offsets_from=skeleton)
     # The BVH's first frame is a T-pose that the original does not have.
     assert mocap.is_t_pose(trial.joints).nonzero()[0].tolist() == [0]
-    known, frames = of_trial(mocap.load_motion(real_data() / "cmu14_test.npz"), 12, 1)
+    known, frames = of_trial(mocap.load_motion(need_motion(TEST)), 12, 1)
     legs = slice(INDEX["right_hip"], INDEX["left_ankle"] + 1)
     np.testing.assert_allclose(trial.joints[frames + 1, legs], known[:, legs], atol=0.001)

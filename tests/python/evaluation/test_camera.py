@@ -95,7 +95,7 @@ def test_no_poses_and_wrong_shapes(library, scenes):
     none = np.zeros((0, 14, 3))
     assert library.place(none, none, CAMERA).joints.shape == (0, 14, 3)
     assert library.place_sweep(none, none, SIZE).status.shape == (0,)
-    with pytest.raises(ValueError, match=r"must be \[F,14,3\]"):
+    with pytest.raises(ValueError, match="keypoints must be"):
         library.place(np.zeros((2, 14, 3)), np.zeros((3, 14, 3)), CAMERA)
 
 

@@ -1,21 +1,19 @@
 """Human3.6M and HumanEva-I, on small files made up here in the layout of VideoPose3D."""
 
 import json
-import os
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from support import ROOT
+from support import run_tool
 
 from data.h36m import H36M, HUMANEVA, read_cameras, read_positions
 from data.mocap import MocapError, load_motion
+from data.views import Column
 from edmlift.joints import INDEX, JOINTS, indices
 from edmlift.library import Library, Poses
 from evaluation import h36m
-from evaluation.accuracy import Column
 
 # A standing person, metres, facing -y, z up; x is the person's left.
 STANDING = {
@@ -286,13 +284,13 @@ def test_other_cameras_are_refused(tmp_path, text, message):
     [(1, {9, 11}, 4, 8), (2, {9, 11}, 1, 8), (3, {11}, 1, 64)],
 )
 def test_protocols_take_what_the_paper_says(tmp_path, number, people, views_a_pose, every):
-    protocol = h36m.H36M[number]
+    protocol = h36m.H36M_PROTOCOLS[number]
     data = read_positions(write_positions(tmp_path / "d.npz", made_up("h36m")), H36M)
     rig = read_cameras(write_cameras(tmp_path / "c.py", "h36m"), H36M)
     motion = h36m.test_motion(data, protocol)
     assert set(motion.subject) == people and (motion.frame % every == 0).all()
     assert len(motion.joints) == len(people) * 15 * 2 * len(range(0, 70, every))
-    views = h36m.see(motion, rig, protocol)
+    views = h36m.project(motion, rig, protocol)
     assert len(views.truth) == views_a_pose * len(motion.joints)
     if views_a_pose == 1:
         first = motion.joints[motion.subject == min(people)].astype(float)
@@ -304,7 +302,7 @@ def test_protocols_take_what_the_paper_says(tmp_path, number, people, views_a_po
 
 
 def test_the_papers_rows_have_its_averages():
-    for protocol in (*h36m.H36M.values(), h36m.HUMANEVA):
+    for protocol in (*h36m.H36M_PROTOCOLS.values(), h36m.HUMANEVA):
         for _, row in protocol.paper:
             size = 3 if protocol.by_person else 15
             blocks = np.reshape(row, (-1, size + 1))
@@ -319,9 +317,8 @@ class Known:
         self.joints = joints
 
     def lift(self, keypoints):
-        nothing = np.zeros(len(keypoints))
-        status = np.where(np.isnan(self.joints).any((1, 2)), "unusual", "ok")
-        return Poses(self.joints.copy(), nothing, nothing, status)
+        status = np.where(np.isnan(self.joints).any((1, 2)), "aspect", "ok")
+        return Poses.of(self.joints, status=status)
 
 
 def test_figures_are_of_each_column_and_of_hidden_joints():
@@ -334,9 +331,9 @@ def test_figures_are_of_each_column_and_of_hidden_joints():
     views = h36m.Views(truth, truth[..., :2], np.repeat([0, 1], 3), ["a", "b"])
     condition = Column(np.ones((6, 14, 3)), seen, truth)
     figures = h36m.measure(Known(lifted), condition, views, adapted=False)
-    assert figures["error"][0] == pytest.approx(0, abs=1e-6) and figures["error"][1] > 50
-    assert figures["mirror"] == pytest.approx([0, 0], abs=1e-6)
-    assert figures["hidden"][0] == pytest.approx(0, abs=1e-6) and figures["hidden"][1] > 0
+    assert figures["error"][0] == pytest.approx(0, abs=1e-3) and figures["error"][1] > 50
+    assert figures["mirror"] == pytest.approx([0, 0], abs=1e-3)
+    assert figures["hidden"][0] == pytest.approx(0, abs=1e-3) and figures["hidden"][1] > 0
     assert figures["refused"] == [0, 1]
     lifted[3:] = np.nan
     with pytest.raises(MocapError, match="every pose of 'b' was refused"):
@@ -358,8 +355,7 @@ def test_the_adapter_moves_head_and_neck_alone():
 
 
 def command(*options) -> subprocess.CompletedProcess:
-    program = [sys.executable, ROOT / "tools" / "run.py", "evaluation.h36m", *options]
-    return subprocess.run(list(map(str, program)), capture_output=True, text=True, env=os.environ)
+    return run_tool("evaluate.py", "h36m", *options)
 
 
 def rows_of(text: str) -> dict[str, list[str]]:
@@ -394,7 +390,7 @@ def test_one_command_prints_the_table(files, tmp_path):
 def test_training_uses_the_training_people(files, tmp_path):
     done = command(*options_of(files), "--train", "--epochs", 1, "--out", tmp_path)
     assert done.returncode == 0, done.stderr
-    manifest = json.loads((tmp_path / "fconn.json").read_text())
+    manifest = json.loads((tmp_path / "trained.json").read_text())
     assert manifest["data"]["subjects"] == ([1, 5, 6, 7, 8, 9] if files[0] == "h36m" else [1, 2, 3])
     assert float(rows_of(done.stdout)["gt"][-1]) > 0
     untrained = command(*options_of(files), "--out", tmp_path / "shipped")
@@ -415,4 +411,5 @@ def test_a_missing_action_or_person_is_named(tmp_path):
     assert done.returncode == 1 and "no subject S11; there are S1, S5" in done.stderr
     done = command(*options, "--action", "Dancing")
     assert done.returncode == 1 and "no action 'Dancing'; there are Directions" in done.stderr
-    assert command(*options[:4]).returncode == 2  # without a protocol
+    done = command(*options[:4])
+    assert done.returncode == 1 and "--protocol 1, 2 or 3 goes with h36m" in done.stderr

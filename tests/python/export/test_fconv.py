@@ -1,23 +1,22 @@
-"""fconv_weights.py and what export_weights.py makes of an FConv: folding, short weights, headers
+"""The weights of an FConv and what export_weights.py makes of them: folding, short weights, headers
 that C runs as the oracle says, and errors."""
 
-import ctypes
 import json
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from builds import need
-from export.weights import ExportError
-from support import ROOT
+from support import ROOT, build_model, load_model
 
 from export import cli, fconv, quantise
+from export.calibrate import activations, calibrate
 from export.cli import main
+from export.kinds import read_network
+from export.layers import ExportError, Layer, digest
 from export.quantise import METRE
 from model import reference
-from reports.targets import INCLUDES, library_flags
+from model.fconv_weights import NAMES, STAGES, fold, round_weights, unit_of
 
 sys.path.insert(0, str(ROOT / "tests"))
 
@@ -25,7 +24,7 @@ import make_fconv_vectors  # noqa: E402
 
 MANIFEST = {
     "fewest_joints": 10,
-    "widest": 3,
+    "max_aspect": 3,
     "objective": "none",
     "refine_steps": 0,
     "mirror": [0.5, -1.25, 0.1, 2, 0],
@@ -37,7 +36,7 @@ def trained(widths: tuple[int, ...], seed: int = 1) -> dict[str, np.ndarray]:
     """Random arrays as training gives them: distances of about 0.8 m."""
     rng = np.random.default_rng(seed)
     params, channels = {}, 1
-    for stage, outputs in zip(fconv.STAGES, widths, strict=True):
+    for stage, outputs in zip(STAGES, widths, strict=True):
         deviation = np.sqrt((8 if stage.up else 2) / (49 * channels))
         params[f"{stage.name}_weight"] = rng.normal(0, deviation, (7, 7, channels, outputs))
         params[f"{stage.name}_bias"] = rng.normal(0, 0.05, outputs)
@@ -54,7 +53,7 @@ def trained(widths: tuple[int, ...], seed: int = 1) -> dict[str, np.ndarray]:
 
 @pytest.fixture(scope="module")
 def edms() -> np.ndarray:
-    """[20,91], whole numbers of 1/4096; some pairs were not seen."""
+    """[20,91], multiples of 1/4096; some pairs were not seen."""
     edms = np.random.default_rng(2).uniform(0.1, 2.5, (20, 91))
     edms[3:6, ::3] = 0
     return (np.rint(edms * 4096) / 4096).astype(np.float32)
@@ -69,7 +68,7 @@ def params(request: pytest.FixtureRequest) -> dict[str, np.ndarray]:
 @pytest.fixture
 def folder(tmp_path: Path, params, edms) -> Path:
     """A folder with net.npz, folded and short, and its manifest, calibrated."""
-    return save(tmp_path, fconv.shorten(fconv.fold(params)), edms)
+    return save(tmp_path, round_weights(fold(params)), edms)
 
 
 def save(folder: Path, arrays: dict[str, np.ndarray], edms: np.ndarray | None = None) -> Path:
@@ -77,7 +76,7 @@ def save(folder: Path, arrays: dict[str, np.ndarray], edms: np.ndarray | None = 
     manifest = dict(MANIFEST)
     if edms is not None:
         layers = fconv.layers_of(arrays)
-        manifest["calibration"] = quantise.calibrate(layers, edms, fconv.PLAN)
+        manifest["calibration"] = calibrate(layers, edms, fconv.PLAN)
     (folder / "net.json").write_text(json.dumps(manifest))
     return folder
 
@@ -99,23 +98,23 @@ def test_the_paper_has_as_many_parameters():
 
 
 def test_folding_changes_nothing(params, edms):
-    folded = fconv.fold(params)
+    folded = fold(params)
     assert not any(name.startswith("bn") for name in folded)
     before, after = (np.array([reference.fconv(p, e) for e in edms[:4]]) for p in (params, folded))
     assert np.ptp(before) > 0.05  # something to be changed
     np.testing.assert_allclose(after, before, rtol=0, atol=1e-5)
-    again = fconv.fold(folded)
+    again = fold(folded)
     assert all(np.array_equal(again[name], array) for name, array in folded.items())
 
 
 def test_short_weights_are_near_and_exact_in_half_precision(params):
-    folded = fconv.fold(params)
+    folded = fold(params)
     folded["conv1_weight"][0, 0, 0, 0] = -1e-9  # would be a negative zero
-    for name, short in fconv.shorten(folded).items():
+    for name, short in round_weights(folded).items():
         if name.endswith("bias"):
             assert np.array_equal(short, folded[name])
             continue
-        unit = fconv.unit_of(short.astype(np.float32))
+        unit = unit_of(short.astype(np.float32))
         steps = short.astype(float) / 2.0**unit
         assert short.dtype == np.float16 and np.array_equal(steps, np.rint(steps))
         assert 1023 < np.abs(steps).max() <= 2047
@@ -124,87 +123,68 @@ def test_short_weights_are_near_and_exact_in_half_precision(params):
 
 
 def test_weights_that_are_not_short_have_no_unit():
-    assert fconv.unit_of(np.array([1.0, 1 / 3])) is None
-    assert fconv.unit_of(np.array([1.0, -0.0])) is None
-    assert fconv.unit_of(np.zeros(3)) is None
-    assert fconv.unit_of(np.array([0.5, 0.25])) is not None
+    assert unit_of(np.array([1.0, 1 / 3])) is None
+    assert unit_of(np.array([1.0, -0.0])) is None
+    assert unit_of(np.zeros(3)) is None
+    assert unit_of(np.array([0.5, 0.25])) is not None
 
 
 def test_the_batch_of_quantise_is_the_reference(params, edms):
-    folded = fconv.fold(params)
+    folded = fold(params)
     layers = fconv.layers_of(folded)
-    batch = quantise.activations(layers, edms[:4].astype(float), fconv.PLAN)[-1]
+    batch = activations(layers, edms[:4].astype(float), fconv.PLAN)[-1]
     for edm, distance in zip(edms, batch, strict=False):
         np.testing.assert_allclose(distance, reference.fconv(folded, edm), rtol=0, atol=1e-12)
 
 
 def test_taps_count_in_their_share_of_pixels():
-    """Of the sums of a map of ones, which the kernel of a lone tap makes."""
-    for k, stage in enumerate(fconv.STAGES):
+    """Measured on the sums of a map of ones under kernels of a single tap."""
+    for k, stage in enumerate(STAGES):
         side = fconv.size_before(k)
         kernel = np.eye(49).reshape(49, 49)
-        layer = quantise.Layer(kernel, np.zeros(49))
+        layer = Layer(kernel, np.zeros(49))
         sums = fconv.convolved(np.ones((1, side, side, 1)), k, layer)
         assert sums.shape == (1, stage.side, stage.side, 49)
-        np.testing.assert_allclose(sums.mean((0, 1, 2)), fconv.shares(k))
+        np.testing.assert_allclose(sums.mean((0, 1, 2)), fconv.tap_shares(k))
 
 
 # ---- C -----------------------------------------------------------------------------------------
 
-SOURCES = "fconv fconv_f32 fconv_q7 model net_f32 pipeline_f32 pipeline_fconv_f32".split()
+WARNINGS = "-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Werror".split()
 
 
-def load(folder: Path, form: str, compiler: str = "gcc") -> ctypes.CDLL:
-    """The exported model and what runs it."""
-    need(compiler)
+def predict(folder: Path, form: str, edms: np.ndarray) -> np.ndarray:
+    """Distances [F,91] by edml_predict() of the exported model."""
     status, header = export(folder, form)
     assert status == 0
-    model = folder / "model.c"
-    model.write_text(f'#include "model.h"\n#include "{header.name}"\n')
-    library = folder / f"{form}.so"
-    warnings = "-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Werror".split()
-    sources = [ROOT / "lib" / f"{name}.c" for name in SOURCES]
-    command = [compiler, *library_flags(), *warnings, "-O2", "-fPIC", "-shared", *INCLUDES]
-    subprocess.run([*command, model, *sources, "-lm", "-o", library], check=True)
-    return ctypes.CDLL(str(library))
-
-
-def predict(c: ctypes.CDLL, form: str, edms: np.ndarray) -> np.ndarray:
-    """Distances [F,91] by edml_net_fconv_f32()."""
-    model = ctypes.c_char.in_dll(c, f"edml_their_{form}")
-    assert c.edml_model_check(ctypes.byref(model)) == 0  # the checksum is of what was compiled
-    work, out = ctypes.create_string_buffer(24576), np.zeros(edms.shape, np.float32)
-    for edm, distance in zip(edms, out, strict=True):
-        arrays = (ctypes.c_void_p(array.ctypes.data) for array in (distance, edm))
-        c.edml_net_fconv_f32(*arrays, ctypes.byref(model), work)
-    return out
+    return load_model(build_model(header, *WARNINGS), f"their_{form}")(edms)
 
 
 def test_c_is_the_oracle(folder, edms):
     with np.load(folder / "net.npz") as file:
         arrays = dict(file)
-    found = predict(load(folder, "f32"), "f32", edms)
+    found = predict(folder, "f32", edms)
     for edm, distance in zip(edms[:6], found, strict=False):
         np.testing.assert_allclose(distance, reference.fconv(arrays, edm), rtol=0, atol=1e-5)
 
 
-def test_c_in_whole_numbers_is_numpy_exactly(folder, edms):
-    _, layers = cli.read_network(folder / "net.npz")
+def test_c_in_integers_is_numpy_exactly(folder, edms):
+    _, layers = read_network(folder / "net.npz")
     calibration = json.loads((folder / "net.json").read_text())["calibration"]
-    network = quantise.quantise(layers, calibration, "q7", fconv.PLAN)
+    network = quantise.quantise(layers, calibration, "w8", fconv.PLAN)
     whole = np.rint(edms.astype(float) * METRE).astype(np.int64)
     expected = quantise.run(network, whole, fconv.PLAN)
-    found = predict(load(folder, "q7", "clang"), "q7", edms)
+    found = predict(folder, "w8", edms)
     assert np.array_equal(found, (expected / METRE).astype(np.float32))
-    exact = quantise.activations(layers, edms.astype(float), fconv.PLAN)[-1]
+    exact = activations(layers, edms.astype(float), fconv.PLAN)[-1]
     error = np.sqrt(np.mean((expected / METRE - exact) ** 2))
     assert error < 5e-3
-    assert calibration["rms"]["q7"]["mm"] == pytest.approx(1000 * error, abs=2e-3)
+    assert calibration["rms"]["w8"]["mm"] == pytest.approx(1000 * error, abs=2e-3)
 
 
 def test_weights_that_are_not_short_work_too(tmp_path, edms):
-    folded = fconv.fold(trained(WIDTHS["small"]))
-    found = predict(load(save(tmp_path, folded), "f32"), "f32", edms[:2])
+    folded = fold(trained(WIDTHS["small"]))
+    found = predict(save(tmp_path, folded), "f32", edms[:2])
     for edm, distance in zip(edms, found, strict=False):
         np.testing.assert_allclose(distance, reference.fconv(folded, edm), rtol=0, atol=1e-5)
 
@@ -213,15 +193,15 @@ def test_weights_that_are_not_short_work_too(tmp_path, edms):
 
 
 def test_the_same_weights_give_the_same_header(folder):
-    for form in ("f32", "q7"):
+    for form in ("f32", "w8"):
         first = export(folder, form)[1].read_bytes()
         assert export(folder, form)[1].read_bytes() == first
 
 
 def test_it_says_what_it_is(folder, params):
-    text = export(folder, "q7")[1].read_text()
-    weights = sum(params[f"{name}_weight"].size for name in fconv.NAMES)
-    biases = sum(params[f"{name}_bias"].size for name in fconv.NAMES)
+    text = export(folder, "w8")[1].read_text()
+    weights = sum(params[f"{name}_weight"].size for name in NAMES)
+    biases = sum(params[f"{name}_bias"].size for name in NAMES)
     assert f"parameters  {weights + biases}, " in text
     assert "conv1 " in text and "proven within 32 bits" in text and "RMS error" in text
     if len(params["conv1_bias"]) == 64:
@@ -233,17 +213,17 @@ def test_it_says_what_it_is(folder, params):
 
 def test_no_header_where_a_sum_could_overflow(tmp_path, monkeypatch, capsys):
     """Rows of like weights: 8 bits of each would be more than the sum has room for."""
-    arrays = fconv.fold(trained(WIDTHS["small"]))
+    arrays = fold(trained(WIDTHS["small"]))
     arrays["deconv1_weight"][:] = 0.1
     save(tmp_path, arrays)
     (tmp_path / "net.json").write_text(json.dumps(MANIFEST | {"calibration": made_up(arrays)}))
-    assert export(tmp_path, "q7")[0] == 0  # it takes fewer bits
+    assert export(tmp_path, "w8")[0] == 0  # it takes fewer bits
     assert "8 to 8, 8 to 8, 7 to 7, 8 to 8" in capsys.readouterr().out
-    export(tmp_path, "q7")[1].unlink()
+    export(tmp_path, "w8")[1].unlink()
     monkeypatch.setattr(
         quantise, "largest_scales", lambda rows, most: most / np.abs(rows.weight).max(0)
     )
-    status, out = export(tmp_path, "q7")
+    status, out = export(tmp_path, "w8")
     assert status == 1 and not out.exists()
     assert "layer 2: sums of row 0" in (said := capsys.readouterr().err)
     assert "beyond 32 bits" in said
@@ -253,18 +233,18 @@ def made_up(arrays: dict[str, np.ndarray]) -> dict:
     layers = fconv.layers_of(arrays)
     widths = [1, *(len(layer.bias) for layer in layers[:-1])]
     return {
-        "weights": quantise.digest(layers),
+        "weights": digest(layers),
         "views": 1,
         "largest": [4.0] * 4,
         "mean": [[0.3] * width for width in widths],
-        "rms": {form: {"mm": 1, "percent": 1} for form in ("q15", "q7")},
+        "rms": {form: {"mm": 1, "percent": 1} for form in ("w16", "w8")},
     }
 
 
 def test_the_last_layers_sums_leave_a_bit_for_adding_two(folder):
-    _, layers = cli.read_network(folder / "net.npz")
+    _, layers = read_network(folder / "net.npz")
     calibration = json.loads((folder / "net.json").read_text())["calibration"]
-    network = quantise.quantise(layers, calibration, "q7", fconv.PLAN)
+    network = quantise.quantise(layers, calibration, "w8", fconv.PLAN)
     for k, dense in enumerate(network):
         reach = quantise.input_ranges(fconv.PLAN, k, dense)
         weight, bias = dense.weight.astype(np.int64), dense.bias.astype(np.int64)
@@ -313,7 +293,7 @@ def spoilt(name):
     ],
 )
 def test_bad_weights_are_named(tmp_path, capsys, change, message):
-    arrays = fconv.fold(trained(WIDTHS["small"]))
+    arrays = fold(trained(WIDTHS["small"]))
     change(arrays)
     np.savez(tmp_path / "net.npz", **arrays)
     (tmp_path / "net.json").write_text(json.dumps(MANIFEST))
@@ -325,28 +305,28 @@ def test_bad_weights_are_named(tmp_path, capsys, change, message):
 
 def test_channels_come_in_groups_that_fit(tmp_path, capsys):
     for width, fine in ((12, False), (72, False), (16, True)):
-        save(tmp_path, fconv.fold(trained((8, 8, 8, width))))
+        save(tmp_path, fold(trained((8, 8, 8, width))))
         assert export(tmp_path)[0] == (0 if fine else 1)
         assert fine or "8, 16 ... 64" in capsys.readouterr().err
 
 
 def test_it_has_no_16_bit_form(folder, capsys):
-    assert export(folder, "q15")[0] == 1
-    assert "an fconv is quantised as q7 only" in capsys.readouterr().err
+    assert export(folder, "w16")[0] == 1
+    assert "an fconv is quantised as w8 only" in capsys.readouterr().err
 
 
 def test_quantising_needs_its_own_calibration(tmp_path, edms, capsys):
-    arrays = fconv.fold(trained(WIDTHS["small"]))
+    arrays = fold(trained(WIDTHS["small"]))
     save(tmp_path, arrays)
-    assert export(tmp_path, "q7")[0] == 1 and "no calibration" in capsys.readouterr().err
+    assert export(tmp_path, "w8")[0] == 1 and "no calibration" in capsys.readouterr().err
     save(tmp_path, arrays, edms)
-    other = fconv.fold(trained(WIDTHS["small"], seed=2))
+    other = fold(trained(WIDTHS["small"], seed=2))
     np.savez(tmp_path / "net.npz", **other)
-    assert export(tmp_path, "q7")[0] == 1 and "other weights" in capsys.readouterr().err
+    assert export(tmp_path, "w8")[0] == 1 and "other weights" in capsys.readouterr().err
 
 
 def test_the_name_follows_the_kind(tmp_path, monkeypatch):
-    save(tmp_path, fconv.fold(trained(WIDTHS["small"])))
+    save(tmp_path, fold(trained(WIDTHS["small"])))
     monkeypatch.setattr(cli, "GEN", tmp_path)
     assert main([str(tmp_path / "net.npz")]) == 0
     assert "edml_fconv_f32" in (tmp_path / "fconv_f32.h").read_text()

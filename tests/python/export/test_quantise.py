@@ -1,8 +1,7 @@
-"""quantise.py: whole numbers that cannot overflow, that C and NumPy compute alike, and that stay
-near the float network; and what export_weights.py makes of them."""
+"""quantise.py: integers that cannot overflow, that C and NumPy compute alike, and that stay near
+the float network; and what export_weights.py makes of them."""
 
 import json
-import os
 import re
 import shutil
 import subprocess
@@ -11,27 +10,30 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builds import need_cross_compiler
-from export.weights import ExportError, Layer
 from motions import people
-from support import ROOT
+from support import ROOT, need_library
 
-from edmlift import library as edmlift
 from edmlift.joints import JOINTS
+from edmlift.library import Library
 from export import quantise
-from export.cli import main, read_network
+from export.calibrate import activations, calibrate
+from export.cli import main
+from export.kinds import read_network
+from export.layers import ExportError, Layer
 from export.quantise import ACTIVATION, METRE, WORD, Dense
 from reports import targets
 
-FORMS = ("q15", "q7")
+LIB = ROOT / "lib"
+FORMS = ("w16", "w8")
 SHAPE = (91, 120, 128, 91)
 MANIFEST = {
     "fewest_joints": 10,
-    "widest": 3,
+    "max_aspect": 3,
     "objective": "none",
     "refine_steps": 0,
     "mirror": [0.5, -1.25, 0.1, 2, 0],
     "metrics": {"gt": 50.0, "n10": 60.0},
-    "metrics_q15": {"gt": 50.1, "n10": 59.5},
+    "metrics_w16": {"gt": 50.1, "n10": 59.5},
 }
 
 
@@ -59,13 +61,13 @@ def layers(edms) -> list[Layer]:
 
 def scaled_to(layers: list[Layer], edms: np.ndarray, reach: float) -> list[Layer]:
     """The network with distances up to `reach`."""
-    by = np.float32(reach / quantise.activations(layers, edms)[-1].max())
+    by = np.float32(reach / activations(layers, edms)[-1].max())
     return [*layers[:-1], Layer(layers[-1].weight * by, layers[-1].bias * by)]
 
 
 @pytest.fixture(scope="module")
 def calibration(layers, edms) -> dict:
-    return quantise.calibrate(layers, edms)
+    return calibrate(layers, edms)
 
 
 @pytest.fixture
@@ -93,7 +95,7 @@ def export(folder: Path, form: str, **changes: object) -> tuple[int, Path]:
 
 def parsed(text: str) -> dict[str, tuple[str, list[int]]]:
     """The arrays of a header: name -> C type, values."""
-    pattern = r"static const (\w+_t)(?: EDML_IN_WORDS)? (\w+)\[([\d *]+)\] = \{(.*?)\};"
+    pattern = r"static const (\w+_t)(?: EDML_ALIGN4)? (\w+)\[([\d *]+)\] = \{(.*?)\};"
     arrays = {}
     for kind, name, size, body in re.findall(pattern, text, re.DOTALL):
         values = [int(word) for word in body.replace("\n", " ").split(",") if word.strip()]
@@ -102,12 +104,12 @@ def parsed(text: str) -> dict[str, tuple[str, list[int]]]:
     return arrays
 
 
-# ---- The network in whole numbers --------------------------------------------------------------
+# ---- The network in integers -------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("form", "percent"), [("q15", 0.05), ("q7", 2)])
+@pytest.mark.parametrize(("form", "percent"), [("w16", 0.05), ("w8", 2)])
 def test_it_stays_near_the_float_network(layers, calibration, edms, form, percent):
-    exact = quantise.activations(layers, edms)[-1]
+    exact = activations(layers, edms)[-1]
     assert exact.max() < 3 and (exact > 0).mean() > 0.5  # something to be near to
     whole = quantise.run(quantise.quantise(layers, calibration, form), np.rint(edms * METRE))
     error = 100 * np.sqrt(np.mean((whole / METRE - exact) ** 2) / np.mean(exact**2))
@@ -117,7 +119,7 @@ def test_it_stays_near_the_float_network(layers, calibration, edms, form, percen
 
 def test_evening_out_leaves_the_float_network_alone(layers, edms):
     even = quantise.equalised(layers)
-    before, after = (quantise.activations(net, edms)[-1] for net in (layers, even))
+    before, after = (activations(net, edms)[-1] for net in (layers, even))
     assert np.allclose(before, after, rtol=0, atol=1e-12)
     spread = [np.abs(net[1].weight).max(1) for net in (layers, even)]
     assert spread[1].max() / spread[1].min() < 0.1 * spread[0].max() / spread[0].min()
@@ -125,20 +127,20 @@ def test_evening_out_leaves_the_float_network_alone(layers, edms):
 
 @pytest.mark.parametrize("form", FORMS)
 def test_the_order_in_memory_does_not_matter(layers, calibration, form):
-    turned = [Layer(np.asfortranarray(weight), bias) for weight, bias in layers]
-    networks = [quantise.quantise(net, calibration, form) for net in (layers, turned)]
-    for one, other in zip(*networks, strict=True):
-        assert all(map(np.array_equal, one, other))
+    other = [Layer(np.asfortranarray(weight), bias) for weight, bias in layers]
+    networks = [quantise.quantise(net, calibration, form) for net in (layers, other)]
+    for one, two in zip(*networks, strict=True):
+        assert all(map(np.array_equal, one, two))
 
 
 def test_biases_make_up_for_rounded_weights(layers, calibration, edms):
-    exact = quantise.activations(layers, edms)[-1]
+    exact = activations(layers, edms)[-1]
     bias = {}
     for name, mean in {
         "corrected": calibration["mean"],
         "not": [np.zeros_like(m) for m in calibration["mean"]],
     }.items():
-        network = quantise.quantise(layers, calibration | {"mean": mean}, "q7")
+        network = quantise.quantise(layers, calibration | {"mean": mean}, "w8")
         off = quantise.run(network, np.rint(edms * METRE)) / METRE - exact
         bias[name] = np.sqrt(np.mean(off.mean(0) ** 2))
     assert bias["corrected"] < 0.5 * bias["not"]
@@ -156,12 +158,12 @@ def test_no_sum_can_overflow_and_scales_are_the_largest(layers, calibration, for
             assert lowest >= -WORD and highest < WORD
             full = max(map(abs, weights)) == most or max(highest, -lowest) > 0.999 * WORD
             assert full or not any(weights)
-            assert 0 < dense.factor[row] < WORD
+            assert 0 < dense.multiplier[row] < WORD
 
 
 def test_sums_at_the_bound_are_computed(layers, calibration):
     """Inputs that drive a row to its bound: the model of the kernel agrees with the bound."""
-    dense = quantise.quantise(layers, calibration, "q15")[1]
+    dense = quantise.quantise(layers, calibration, "w16")[1]
     weight, bias = dense.weight.astype(np.int64), dense.bias.astype(np.int64)
     _, highest = quantise.sum_bounds(weight, bias, reach(dense))
     x = np.where(dense.weight[:, 3] > 0, ACTIVATION, 0)
@@ -197,9 +199,9 @@ def test_the_proof_is_exact(weight, room):
         prove(dense_of(flipped, -most - 2), 0)
 
 
-@pytest.mark.parametrize("changes", [{"shift": 0}, {"shift": 63}, {"factor": np.array([0])}])
-def test_the_proof_looks_at_factor_and_shift(changes):
-    with pytest.raises(ExportError, match="factor or shift"):
+@pytest.mark.parametrize("changes", [{"shift": 0}, {"shift": 63}, {"multiplier": np.array([0])}])
+def test_the_proof_looks_at_multiplier_and_shift(changes):
+    with pytest.raises(ExportError, match="multiplier or shift"):
         prove(dense_of([1], 0, **changes), 0)
 
 
@@ -210,10 +212,10 @@ def test_a_network_that_could_overflow_is_not_written(folder, capsys, monkeypatc
 
     monkeypatch.setattr(quantise, "largest_scales", of_weights_alone)
     (folder / "out.h").write_text("before")
-    status, out = export(folder, "q15")
+    status, out = export(folder, "w16")
     assert status == 1 and out.read_text() == "before"
     assert re.search(r"layer 0: sums of row \d+ reach .* beyond 32 bits", capsys.readouterr().err)
-    assert export(folder, "q7")[0] == 0  # weights of 8 bits leave room
+    assert export(folder, "w8")[0] == 0  # weights of 8 bits leave room
 
 
 # ---- Headers -----------------------------------------------------------------------------------
@@ -236,14 +238,16 @@ def test_the_header_holds_the_network(folder, layers, calibration, form):
             for r in range(8)
         ]
         padding = groups * 8 - outputs
-        kind = {"q15": "int16_t", "q7": "int8_t"}[form]
+        kind = {"w16": "int16_t", "w8": "int8_t"}[form]
         name = f"fconn_{form}"
         assert arrays[f"{name}_weight{k}"] == (kind, weight)
         assert arrays[f"{name}_bias{k}"] == ("int32_t", dense.bias.tolist() + [0] * padding)
-        assert arrays[f"{name}_factor{k}"] == ("int32_t", dense.factor.tolist() + [1] * padding)
-        names = ", ".join(f"{name}_{array}{k}" for array in ("weight", "bias", "factor"))
-        table.append(f"    {{{inputs}, {outputs}, {names}, {dense.shift}, {dense.most}}},")
-        assert dense.most == (3 << 24 if k == 2 else 32767)
+        assert arrays[f"{name}_multiplier{k}"] == (
+            "int32_t", dense.multiplier.tolist() + [1] * padding
+        )  # fmt: skip
+        names = ", ".join(f"{name}_{array}{k}" for array in ("weight", "bias", "multiplier"))
+        table.append(f"    {{{inputs}, {outputs}, {names}, {dense.shift}, {dense.clamp}}},")
+        assert dense.clamp == (3 << 24 if k == 2 else 32767)
     for kind, values in arrays.values():  # in the header's order
         for value in values:
             for byte in value.to_bytes(int(re.search(r"\d+", kind)[0]) // 8, "little", signed=True):
@@ -256,15 +260,15 @@ def test_the_header_holds_the_network(folder, layers, calibration, form):
         f"    0x{checksum:08x}u, /* checksum */",
         "    NULL,",
         f"    edml__fconn_{form},",
-        f"    edml__fconn_hash_{form},",
+        f"    edml__fconn_checksum_{form},",
         f"    fconn_{form}_layers,",
     ]
 
 
 def test_the_header_says_what_was_measured(folder, calibration, capsys):
-    _, out = export(folder, "q15")
+    _, out = export(folder, "w16")
     head = out.read_text().partition("*/")[0]
-    rms = calibration["rms"]["q15"]
+    rms = calibration["rms"]["w16"]
     assert f" * RMS error   {rms['mm']:g} mm, {rms['percent']:g} %: " in head
     assert " 500 training views\n" in head
     assert " * error, mm   gt 50.1, n10 59.5\n * loss, mm    gt +0.1, n10 -0.5\n" in head
@@ -272,7 +276,7 @@ def test_the_header_says_what_was_measured(folder, calibration, capsys):
     assert " * accumulator proven within 32 bits, 0.0 to spare\n" in head
     printed = capsys.readouterr().out
     assert f"RMS error: {rms['mm']:g} mm" in printed and "bytes of flash" in printed
-    _, out = export(folder, "q7")
+    _, out = export(folder, "w8")
     head = out.read_text().partition("*/")[0]
     assert " * error, mm   not measured\n * loss, mm    not measured\n" in head
     assert " * bits        of the rows' weights, layer by layer: 8 to 8, 8 to 8, 8 to 8\n" in head
@@ -291,7 +295,7 @@ def test_the_header_compiles(folder, form, compiler):
         pytest.skip(f"no {compiler}")
     _, out = export(folder, form)
     language = ["-x", "c++", "-std=c++17"] if "++" in compiler else ["-std=c99"]
-    (folder / "main.c").write_text('#include "model.h"\n#include "out.h"\n')
+    (folder / "main.c").write_text('#include "network/kernels.h"\n#include "out.h"\n')
     warnings = ["-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror"]
     paths = [f"-I{ROOT / 'lib'}", f"-I{ROOT / 'include'}"]
     command = [compiler, *language, *warnings, *paths, "-fsyntax-only", str(folder / "main.c")]
@@ -300,17 +304,17 @@ def test_the_header_compiles(folder, form, compiler):
 
 
 NETWORK_C = """\
-#include "model.h"
+#include "network/kernels.h"
 #include "out.h"
 #include <stdio.h>
 
 int main(void)
 {
-    static edml_work_q24 work;
+    static edml_work_q work;
     int32_t x[EDML_PAIRS];
     if (edml_model_check(&edml_fconn_FORM) != EDML_OK) return 1;
     while (fread(x, sizeof x, 1, stdin) == 1) {
-        edml_net_q24(x, x, &edml_fconn_FORM, &work);
+        if (edml_predict_q(x, x, &edml_fconn_FORM, &work, sizeof work) != EDML_OK) return 1;
         if (fwrite(x, sizeof x, 1, stdout) != 1) return 1;
     }
     return 0;
@@ -322,7 +326,8 @@ int main(void)
 def test_the_library_computes_the_network(folder, layers, calibration, edms, form):
     export(folder, form)
     (folder / "main.c").write_text(NETWORK_C.replace("FORM", form))
-    sources = [ROOT / "lib" / f"{name}.c" for name in (f"fconn_{form}", "net_q24", "model")]
+    names = (f"fconn_{form}", "predict_q", "model")
+    sources = [LIB / "network" / f"{name}.c" for name in names]
     paths = [f"-I{ROOT / 'lib'}", f"-I{ROOT / 'include'}", "-o", str(folder / "main")]
     checks = ["-fsanitize=undefined", "-fno-sanitize-recover=all"]
     command = ["gcc", "-std=c99", "-O1", *checks, *paths, str(folder / "main.c")]
@@ -343,11 +348,11 @@ def test_without_an_fpu_no_float_code_is_linked(tmp_path, form):
     target = targets.TARGETS["cortex-m3"]
     need_cross_compiler(target)
     asked, defined = set(), set()
-    kernels = (f"fconn_{form}", f"twin_{form}", "completion")
-    for name in (*kernels, f"model_fconn_{form}", "net_q24", "model"):
-        item = tmp_path / f"{name}.o"
+    network = [f"network/{n}" for n in (f"equivariant_{form}", "predict_q", "model")]
+    for name in (*network, f"models/fconn_{form}", "lift/imputation"):
+        item = tmp_path / f"{name.replace('/', '_')}.o"
         compile_it = targets.compiler(target, "-Os")
-        targets.run(*compile_it, "-c", ROOT / "lib" / f"{name}.c", "-o", item)
+        targets.run(*compile_it, "-c", LIB / f"{name}.c", "-o", item)
         for line in targets.run(f"{target.system.cross}nm", item).splitlines():
             *_, kind, symbol = line.split()
             (asked if kind == "U" else defined).add(symbol)
@@ -356,17 +361,15 @@ def test_without_an_fpu_no_float_code_is_linked(tmp_path, form):
 
 @pytest.mark.parametrize("form", FORMS)
 def test_the_shipped_model_is_the_model_in_numpy(edms, form):
-    path = Path(os.environ.get("EDMLIFT_LIBRARY", edmlift.LIBRARY))
-    if "EDMLIFT_LIBRARY" not in os.environ and not path.exists():
-        pytest.skip("the tools' library is not built")
-    library = edmlift.Library(f"fconn_{form}")
+    need_library()
+    library = Library(f"fconn_{form}")
     calibration = json.loads((ROOT / "gen" / "fconn.json").read_text())["calibration"]
     kind, layers = read_network(ROOT / "gen" / "fconn.npz")
     whole = np.rint(edms[:100] * 2**16).astype(np.int64)  # exact in float
     network = quantise.quantise(layers, calibration, form, kind.plan)
     expected = quantise.run(network, whole << 8, kind.plan)
     for x, y in zip(whole, expected, strict=True):
-        assert np.array_equal(library.net(x / 2**16), y.astype(np.float32) / METRE)
+        assert np.array_equal(library.predict(x / 2**16), y.astype(np.float32) / METRE)
 
 
 # ---- Calibration -------------------------------------------------------------------------------
@@ -381,7 +384,7 @@ def motion(tmp_path: Path) -> Path:
 
 
 def calibrated(folder: Path, motion: Path) -> str:
-    arguments = ["--calibrate", str(motion), "--quantise", "q7", "--out", str(folder / "out.h")]
+    arguments = ["--calibrate", str(motion), "--quantise", "w8", "--out", str(folder / "out.h")]
     assert main([str(folder / "net.npz"), *arguments]) == 0
     return (folder / "net.json").read_text()
 
@@ -395,11 +398,11 @@ def test_calibration_is_the_same_each_time(folder, motion):
     assert {name: manifest[name] for name in MANIFEST} == MANIFEST
     assert manifest["calibration"]["views"] == 60
     assert len(first.splitlines()) < 60  # lists of numbers take a line each
-    assert export(folder, "q7")[1].read_bytes() == header  # without the motion
+    assert export(folder, "w8")[1].read_bytes() == header  # without the motion
 
 
 def test_calibration_measures_the_network(layers, edms):
-    noted = quantise.calibrate(layers, edms)
+    noted = calibrate(layers, edms)
     x = edms
     means, largest = [], []
     for weight, bias in quantise.equalised(layers):
@@ -428,7 +431,7 @@ def test_motion_that_is_not_there(folder, capsys):
     [
         ({"calibration": None}, "no calibration; run once with --calibrate"),
         ({"calibration": {"weights": "0"}}, "the calibration is of other weights"),
-        ({"widest": 3.76}, "widest must be up to 3.75 to quantise"),
+        ({"max_aspect": 3.76}, "max_aspect must be up to 3.75 to quantise"),
     ],
 )
 @pytest.mark.parametrize("form", FORMS)
@@ -454,7 +457,7 @@ def test_manifest(folder, capsys, form, changes, message):
     ],
 )
 def test_damaged_calibration(folder, capsys, calibration, changes):
-    status, out = export(folder, "q15", calibration=calibration | changes)
+    status, out = export(folder, "w16", calibration=calibration | changes)
     line = capsys.readouterr().err
     assert status == 1 and "calibration" in line and line.count("\n") == 1
     assert not out.exists()
@@ -463,7 +466,7 @@ def test_damaged_calibration(folder, capsys, calibration, changes):
 def test_a_hidden_layer_that_is_never_active(layers, edms):
     dead = [layers[0], Layer(layers[1].weight * 0, layers[1].bias * 0 - 1), layers[2]]
     with pytest.raises(ExportError, match="a hidden layer is always zero"):
-        quantise.calibrate(dead, edms)
+        calibrate(dead, edms)
 
 
 def test_networks_of_other_depths(edms):
@@ -471,5 +474,5 @@ def test_networks_of_other_depths(edms):
     single = [Layer(rng.normal(0, 0.05, (91, 91)).astype(np.float32), np.ones(91, np.float32))]
     for depth in (1, 4):
         net = scaled_to(single * depth, edms, 2.5)
-        noted = quantise.calibrate(net, edms)
-        assert noted["rms"]["q15"]["percent"] < 0.1
+        noted = calibrate(net, edms)
+        assert noted["rms"]["w16"]["percent"] < 0.1

@@ -132,7 +132,8 @@ def test_pose(library, model, keypoints, predicted):
     assert (poses.status == "ok").all()
     for i, (k, distance) in enumerate(zip(keypoints, predicted, strict=True)):
         joints, margin, residual = reference.lift(model, k.astype(float))
-        given = library.predict(library.edm(k, model.fewest_joints, model.max_aspect, impute=True)[1])
+        _, edm = library.edm(k, model.fewest_joints, model.max_aspect, impute=True)
+        given = library.predict(edm)
         rounding = apart(reference.mds(given.astype(float)), reference.mds(distance))
         if margin > 1e-3:  # else rounding decides the mirror image
             off = np.linalg.norm(poses.joints[i] - joints, axis=1).max()

@@ -7,11 +7,12 @@ import sys
 
 import pytest
 from builds import need_core
-from support import ROOT
+from support import ROOT, TEST, TRAIN, need_motion
 
 from data.mocap import load_motion
-from edmlift import library as edmlift
 from evaluation import accuracy, baselines
+from evaluation import forms as number_forms
+from evaluation.measures import evaluate, rounded
 from experiments import rivals
 from export import cli
 from reports import markdown, operations, size
@@ -21,7 +22,7 @@ README = ROOT / "README.md"
 ACCURACY = ROOT / "docs" / "accuracy.md"
 
 
-@pytest.mark.parametrize("model", ["fconn_f32", "fconn_q15", "fconn_q7", "fconv_f32", "fconv_q7"])
+@pytest.mark.parametrize("model", ["fconn_f32", "fconn_w16", "fconn_w8", "fconv_f32", "fconv_w8"])
 def test_the_header_is_made_of_the_weights_byte_for_byte(tmp_path, model):
     name, form = model.split("_")
     out = tmp_path / f"{model}.h"
@@ -33,39 +34,34 @@ def test_the_header_is_made_of_the_weights_byte_for_byte(tmp_path, model):
 
 @pytest.fixture(scope="module")
 def people():
-    if not (DATA / "cmu14_test.npz").exists():
-        pytest.skip("needs the test people")
-    return load_motion(DATA / "cmu14_test.npz")
+    return load_motion(need_motion(TEST))
 
 
 @pytest.fixture(scope="module")
-def figures(people):
-    return accuracy.rounded(accuracy.evaluate(edmlift.Library(), people))
+def figures(people, library):
+    return rounded(evaluate(library, people))
 
 
 @pytest.fixture(scope="module")
-def forms(people):
-    return accuracy.rounded(accuracy.evaluate_forms("fconn", people))
+def forms(people, library):
+    return rounded(number_forms.evaluate_forms("fconn", people))
 
 
 def test_the_accuracy_is_the_readmes(figures, forms):
-    table, joints = accuracy.report(figures).split("\n\n")
-    assert markdown.read(README, "accuracy").strip() == table
-    assert markdown.read(ACCURACY, "joints") == joints
-    assert markdown.read(README, "forms") == accuracy.forms_markdown(figures, forms)
+    assert markdown.read(README, "accuracy") == accuracy.means_table(figures)
+    assert markdown.read(ACCURACY, "joints") == accuracy.joints_table(figures)
+    assert markdown.read(README, "forms") == number_forms.report(figures, forms)
     manifest = json.loads((ROOT / "gen" / "fconn.json").read_text())
     assert manifest["metrics"] == accuracy.noted(figures)
-    for form in ("q15", "q7"):
+    for form in ("w16", "w8"):
         assert manifest[f"metrics_{form}"] == accuracy.noted(forms[form])
 
 
 def test_the_library_beats_the_rivals_of_the_table(people, figures):
-    if not (DATA / "cmu14_train.npz").exists():
-        pytest.skip("needs the training people")
-    train = load_motion(DATA / "cmu14_train.npz")
+    train = load_motion(need_motion(TRAIN))
     others = accuracy.evaluate_rivals(train, people)
-    assert markdown.read(ACCURACY, "rivals") == accuracy.rivals_markdown(figures, others)
-    for column in figures:  # those that need no training: of the others the table tells
+    assert markdown.read(ACCURACY, "rivals") == accuracy.rivals_table(figures, others)
+    for column in figures:  # those that need no training; the table tells of the others
         best = min(others[name][column]["error"] for name in accuracy.RIVALS)
         assert figures[column]["error"] < best, column
 
@@ -73,7 +69,7 @@ def test_the_library_beats_the_rivals_of_the_table(people, figures):
 def test_the_trials_are_those_of_the_json():
     trials = json.loads(baselines.TRAINED.read_text())["trials"]
     assert list(trials) == list(rivals.TRIALS)
-    assert markdown.read(ACCURACY, "trials") == rivals.tried_markdown(trials)
+    assert markdown.read(ACCURACY, "trials") == rivals.trials_table(trials)
 
 
 def test_the_trained_rivals_are_of_the_recipes():
@@ -83,7 +79,7 @@ def test_the_trained_rivals_are_of_the_recipes():
 
 
 @pytest.mark.parametrize(
-    ("form", "most"), [("q15", 0.2), ("q7", 1.5), ("fixed", 0.2), ("fixed_q7", 1.5)]
+    ("form", "most"), [("w16", 0.2), ("w8", 1.5), ("fixed", 0.2), ("fixed_w8", 1.5)]
 )
 def test_quantised_networks_lose_little_in_any_column(figures, forms, form, most):
     for name, column in forms[form].items():
@@ -95,7 +91,7 @@ def test_fconv_in_8_bits_loses_little_in_any_column():
     """By its manifest: measuring it takes ten minutes."""
     manifest = json.loads((ROOT / "gen" / "fconv.json").read_text())
     for column, error in manifest["metrics"].items():
-        assert manifest["metrics_q7"][column] <= error + 1.5, column
+        assert manifest["metrics_w8"][column] <= error + 1.5, column
 
 
 def test_fixed_point_is_the_float_lift(forms):
@@ -129,7 +125,7 @@ def test_the_costs_are_those_of_the_tables(costs):
 
 LIMITS = [  # bytes of code, instructions a lift
     ("Cortex-M4F", "f32", 16384, 150_000),
-    ("Cortex-M4F", "q15", 16384, 150_000),
+    ("Cortex-M4F", "w16", 16384, 150_000),
     ("Cortex-M3", "fixed", 16384, 700_000),
     ("Cortex-M0+", "fixed", 20480, 1_500_000),
 ]
@@ -162,11 +158,11 @@ def test_all_of_the_flash_is_told(tmp_path):
 def test_a_wrong_figure_is_found():
     right = size.Cost(
         "Cortex-M3", "f32", code=6000, helpers=40, weights=160000, work=3800, stack=260,
-        place_stack=900, edm=100, guess=110, net=1000, mds=1000, mirror=100, orient=100, blend=100,
+        place_stack=900, edm=100, impute=110, net=1000, mds=1000, mirror=100, orient=100, fuse=100,
         lift=2400, place=1500,
     )  # fmt: skip
     size.compare([right], [right])
-    for wrong in ({"code": 6001}, {"stack": 264}, {"lift": 2500}, {"variant": "q7"}):
+    for wrong in ({"code": 6001}, {"stack": 264}, {"lift": 2500}, {"variant": "w8"}):
         with pytest.raises(size.Disagreement, match="written"):
             size.compare([dataclasses.replace(right, **wrong)], [right])
     size.compare([dataclasses.replace(right, lift=2410)], [right])  # within 3 %

@@ -258,14 +258,14 @@ def test_orienting_and_fusing_are_the_references():
         assert np.allclose(pose - pose.mean(0), right - right.mean(0), atol=2e-4)
 
 
-def test_blending_is_trained_along():
+def test_the_fusion_is_trained_along():
     run = Run(people(), SHORT, 7)
     while run.epoch < run.epochs:
         run.advance(run.draw(run.epoch))
-    assert not np.array_equal(run.params["blend"], jax_stages.FUSION)
-    assert 0 < train.blend_settings(run.params["blend"])["share"] < 1
-    without = Run(people(), dataclasses.replace(SHORT, blend=False, rigid=1.0), 7)
-    assert "blend" not in without.params
-    assert train.blend_settings(None)["share"] == 0
-    with pytest.raises(ValueError, match="rigid must be 1 without the blend"):
-        Run(people(), dataclasses.replace(SHORT, blend=False), 7)
+    assert not np.array_equal(run.params["fusion"], jax_stages.FUSION)
+    assert 0 < manifest.fusion_settings(run.params["fusion"])["weight"] < 1
+    without = Run(people(), dataclasses.replace(SHORT, fuse=False, rigid=1.0), 7)
+    assert "fusion" not in without.params
+    assert manifest.fusion_settings(None)["weight"] == 0
+    with pytest.raises(ValueError, match="rigid must be 1 without the fuse stage"):
+        Run(people(), dataclasses.replace(SHORT, fuse=False), 7)
