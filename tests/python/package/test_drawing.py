@@ -2,11 +2,10 @@
 
 from pathlib import Path
 
+import draw
 import numpy as np
 import pytest
 from PIL import Image
-
-import draw
 
 DATA = Path(__file__).resolve().parents[2] / "examples" / "data"
 WALK, TRUTH = DATA / "walk.csv", DATA / "walk_truth.csv"
