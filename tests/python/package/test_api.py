@@ -89,7 +89,7 @@ def test_results_cannot_be_reassigned():
         edmlift.lift(WALK).joints = None
 
 
-# ---- What was not seen, and what is not a pose ---------------------------------------------------
+# ---- What was not seen, and what is not a pose -------------------------------------------------
 
 
 def test_nan_coordinates_are_not_seen():
@@ -230,7 +230,7 @@ def test_what_are_no_numbers(given):
         edmlift.lift(given)
 
 
-# ---- Fixed point and models ----------------------------------------------------------------------
+# ---- Fixed point and models --------------------------------------------------------------------
 
 
 def test_fixed_point_is_near_float():
@@ -251,7 +251,7 @@ def test_fconv_is_a_model_like_any_other(model: str):
     assert np.abs(poses.joints - edmlift.lift(WALK[:6]).joints).mean() < 0.1
 
 
-# ---- Placing, standing ---------------------------------------------------------------------------
+# ---- Placing, standing -------------------------------------------------------------------------
 
 
 def test_placing_by_a_camera():
@@ -310,7 +310,7 @@ def test_standing_on_the_floor():
             edmlift.stand(poses, up)
 
 
-# ---- Body, quality, limits -----------------------------------------------------------------------
+# ---- Body, quality, limits ---------------------------------------------------------------------
 
 
 def test_fitting_a_height_and_bones():
@@ -386,7 +386,7 @@ def test_poses_from_elsewhere():
         edmlift.Poses.of(lifted.joints, WALK[..., :2])
 
 
-# ---- Video ---------------------------------------------------------------------------------------
+# ---- Video -------------------------------------------------------------------------------------
 
 
 def test_a_video_frame_by_frame_and_at_once():
@@ -436,7 +436,7 @@ def test_a_video_without_times():
     assert list(edmlift.track(WALK[:2], time_ms=[5, 5]).status) == ["ok", "time"]
 
 
-# ---- The package ---------------------------------------------------------------------------------
+# ---- The package -------------------------------------------------------------------------------
 
 
 def test_every_public_name_is_documented():

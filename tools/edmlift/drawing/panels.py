@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from edmlift.drawing.canvas import Canvas
+from edmlift.drawing.canvas import Canvas, load_picture
 from edmlift.drawing.palette import (
     CAMERA,
     FADE,
@@ -36,24 +36,19 @@ from edmlift.drawing.scene import (
 )
 from edmlift.joints import INDEX
 
-if TYPE_CHECKING:
-    from PIL.Image import Image as PillowImage
-
 _VEIL = 0.25  # of white over a photo
 _HEAD = 0.105  # metres: radius of the head that is drawn
 _Item = tuple[float, Callable[[], None]]  # depth, and what draws it
 
 
-def image_panel(
-    scene: Scene, i: int, width: float, height: float, photo: PillowImage | None = None
-) -> Canvas:
+def image_panel(scene: Scene, i: int, width: float, height: float, photo: Any = None) -> Canvas:
     """The 2D input of pose i, on its photo; joints that were not seen are left out."""
     panel = Canvas(width, height, PAPER)
     (x, y), (w, h) = scene.image_centre[i], scene.image_size
     scale = panel.height / h
     w = panel.width / scale
     if photo is not None:
-        panel.picture(photo, (x - w / 2, y - h / 2, x + w / 2, y + h / 2), _VEIL)
+        panel.picture(load_picture(photo), (x - w / 2, y - h / 2, x + w / 2, y + h / 2), _VEIL)
     at = (scene.keypoints[i] - [x - w / 2, y - h / 2, 0]) * [scale, scale, 0]
     at[~scene.seen[i]] = np.nan
     neck = at[INDEX["head"]] - at[INDEX["neck_base"]]
