@@ -147,6 +147,16 @@ def test_windows_hold_the_poses_at_one_scale():
     assert scene.poses[..., 1].max(1) == pytest.approx(0)  # on the floor
 
 
+def test_the_truth_of_a_refused_pose_does_not_count():
+    status = np.where(np.arange(39) == 3, "degenerate", "ok")
+    joints = np.where((status == "ok")[:, None, None], TRUTH, np.nan)
+    refused = edmlift.Poses.of(joints, WALK, status)
+    far = TRUTH.astype(float)
+    far[3] += 9
+    window = scene_of(refused, far, 0, True, 1.5).window
+    np.testing.assert_allclose(window, scene_of(refused, None, 0, True, 1.5).window, atol=0.05)
+
+
 def test_colours():
     assert mix("#000000", WHITE, 0.5) == "#808080" and mix("#123456", WHITE, 0) == "#123456"
     palette = np.reshape(flat_palette(), (-1, 3))

@@ -5,7 +5,7 @@ import pytest
 from package_support import DATA
 
 import edmlift
-from edmlift.metrics import ALIGNMENTS, rigid_errors
+from edmlift.metrics import ALIGNMENTS, best_rotation, rigid_errors
 
 TRUTH = edmlift.read_truth(DATA / "walk_truth.csv").astype(float)
 TURN = np.array([[0.8, 0, 0.6], [0, 1, 0], [-0.6, 0, 0.8]])
@@ -25,6 +25,12 @@ def test_each_alignment_undoes_what_it_says():
         for points in (TRUTH, moved, turned, scaled):
             error = edmlift.mpjpe(points, TRUTH, align)
             assert (error < 1e-9) == any(points is p for p in zero[align]), align
+
+
+def test_the_best_rotation():
+    rotation = best_rotation(TRUTH + MOVE, TRUTH @ TURN)
+    np.testing.assert_allclose(rotation, np.broadcast_to(TURN, rotation.shape), atol=1e-12)
+    assert np.isnan(best_rotation(TRUTH[0] * np.nan, TRUTH[0])).all()
 
 
 def test_no_alignment_reflects():

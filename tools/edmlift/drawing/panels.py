@@ -37,6 +37,7 @@ from edmlift.drawing.scene import (
 from edmlift.joints import INDEX
 
 _VEIL = 0.25  # of white over a photo
+_RIM = 1.55  # of a bone's width: with its white rim
 _HEAD = 0.105  # metres: radius of the head that is drawn
 _Item = tuple[float, Callable[[], None]]  # depth, and what draws it
 
@@ -128,9 +129,12 @@ def _skeleton(panel: Canvas, at: Array, seen: NDArray[np.bool_], head: float) ->
         return mix(SIDES[side], WHITE, amount * min(1.0, spread / 0.5))
 
     for a, b, side in DRAWN:
-        if known[a] and known[b]:
-            near = float(at[[a, b], 2].mean())
-            items.append((near, _bone(panel, at[[a, b], :2], faded(side, near), width)))
+        if not (known[a] and known[b]):
+            continue
+        ends, near = at[[a, b], :2], float(at[[a, b], 2].mean())
+        if head == 0:  # a rim round the whole, which a photo is behind
+            panel.line(ends, WHITE, _RIM * width)
+        items.append((near, _bone(panel, ends, faded(side, near), width, rim=head > 0)))
     for j in np.flatnonzero(known[:MIDDLE]):
         near = float(at[j, 2])
         colour = faded(JOINT_SIDE[j], near)
@@ -139,12 +143,13 @@ def _skeleton(panel: Canvas, at: Array, seen: NDArray[np.bool_], head: float) ->
         draw()
 
 
-def _bone(panel: Canvas, ends: Array, colour: str, width: float) -> Callable[[], None]:
-    """A line with a white rim, which is shorter, so that it does not cut into the neighbours."""
-    rim = np.array([[0.78, 0.22], [0.22, 0.78]]) @ ends
+def _bone(panel: Canvas, ends: Array, colour: str, width: float, rim: bool) -> Callable[[], None]:
+    """A line; with a white rim that is shorter, so that it does not cut into the neighbours."""
+    inner = np.array([[0.78, 0.22], [0.22, 0.78]]) @ ends
 
     def draw() -> None:
-        panel.line(rim, WHITE, width * 1.55)
+        if rim:
+            panel.line(inner, WHITE, _RIM * width)
         panel.line(ends, colour, width)
 
     return draw
