@@ -139,10 +139,15 @@ def test_numbers_beyond_float_are_not_finite():
     assert edmlift.lift(keypoints).status[0] == "not_finite"
 
 
-def test_a_nan_confidence_is_refused():
+@pytest.mark.parametrize("fixed", [False, True])
+@pytest.mark.parametrize("confidence", [np.nan, np.inf, -np.inf])
+def test_a_confidence_that_is_not_finite_is_refused(confidence: float, fixed: bool):
     keypoints = WALK[:1].copy()
-    keypoints[0, 3, 2] = np.nan
-    assert edmlift.lift(keypoints).status[0] == "not_finite"
+    keypoints[0, 3, 2] = confidence
+    assert edmlift.lift(keypoints, fixed=fixed).status[0] == "not_finite"
+    detected = coco17(WALK[:1])
+    detected[0, 7, 2] = confidence
+    assert edmlift.lift(detected, format="coco17", fixed=fixed).status[0] == "not_finite"
 
 
 # ---- Formats -----------------------------------------------------------------------------------
@@ -384,6 +389,12 @@ def test_poses_from_elsewhere():
         edmlift.Poses.of(np.zeros((3, 14, 2)))
     with pytest.raises(ValueError, match="keypoints must be"):
         edmlift.Poses.of(lifted.joints, WALK[..., :2])
+
+
+def test_arrays_are_not_poses():
+    for function in (edmlift.quality, edmlift.stand, edmlift.joint_limits, edmlift.uncertainty):
+        with pytest.raises(TypeError, match=r"Poses\.of\(\), not ndarray"):
+            function(WALK)
 
 
 # ---- Video -------------------------------------------------------------------------------------

@@ -53,7 +53,7 @@ def image_panel(scene: Scene, i: int, width: float, height: float, photo: Any = 
     at = (scene.keypoints[i] - [x - w / 2, y - h / 2, 0]) * [scale, scale, 0]
     at[~scene.seen[i]] = np.nan
     neck = at[INDEX["head"]] - at[INDEX["neck_base"]]
-    head = 0.4 * float(np.hypot(neck[0], neck[1])) if photo is None else 0.0
+    head = 0.4 * float(np.hypot(neck[0], neck[1])) if photo is None else None
     _skeleton(panel, at, scene.seen[i], head)
     return panel
 
@@ -113,13 +113,13 @@ def _floor(panel: Canvas, to_pixels: Callable[[Array], Array], scene: Scene, vie
     panel.polygon(to_pixels(wedge), CAMERA)
 
 
-def _skeleton(panel: Canvas, at: Array, seen: NDArray[np.bool_], head: float) -> None:
+def _skeleton(panel: Canvas, at: Array, seen: NDArray[np.bool_], head: float | None) -> None:
     """Bones and joints of points [14,3], pixels and depth, the farthest first, and a body with a
-    head of so many pixels' radius; 0: without."""
+    head of so many pixels' radius; None: without."""
     at, width = with_middle(at), _limb_width(panel)
     known: NDArray[np.bool_] = np.all(np.isfinite(at), axis=1)
     items: list[_Item] = []
-    if head > 0:
+    if head is not None:
         items += _body(panel, at, head)
     depth = at[known, 2]
     far, spread = (depth.min(), np.ptp(depth)) if len(depth) else (0.0, 0.0)
@@ -132,9 +132,9 @@ def _skeleton(panel: Canvas, at: Array, seen: NDArray[np.bool_], head: float) ->
         if not (known[a] and known[b]):
             continue
         ends, near = at[[a, b], :2], float(at[[a, b], 2].mean())
-        if head == 0:  # a rim round the whole, which a photo is behind
+        if head is None:  # before a photo, the rim has no gaps
             panel.line(ends, WHITE, _RIM * width)
-        items.append((near, _bone(panel, ends, faded(side, near), width, rim=head > 0)))
+        items.append((near, _bone(panel, ends, faded(side, near), width, rim=head is not None)))
     for j in np.flatnonzero(known[:MIDDLE]):
         near = float(at[j, 2])
         colour = faded(JOINT_SIDE[j], near)
