@@ -16,17 +16,3 @@ function(edmlift_compile target)
     target_link_libraries(${target} PUBLIC m)
   endif()
 endfunction()
-
-# Lets a shared library export its public functions, edml_..., and neither internal ones, edml__...,
-# nor what the compiler brings.
-function(edmlift_export_public target)
-  if(WIN32)
-    set_target_properties(${target} PROPERTIES WINDOWS_EXPORT_ALL_SYMBOLS ON)
-  elseif(APPLE)
-    target_link_options(${target} PRIVATE "LINKER:-exported_symbol,_edml_[a-z]*")
-  else()
-    set(map ${PROJECT_SOURCE_DIR}/cmake/edmlift.map)
-    target_link_options(${target} PRIVATE "LINKER:--version-script=${map}" "LINKER:--gc-sections")
-    set_target_properties(${target} PROPERTIES LINK_DEPENDS ${map})
-  endif()
-endfunction()

@@ -2,8 +2,9 @@
 # `set -euo pipefail`: it goes to the root of the repository and defines
 #
 #   step TEXT LOG COMMAND...           one line of output; what the command prints is in build/log
-#   need_packages [COMMAND:PACKAGE]... compiler, CMake, Ninja or Make, Python with venv, and the commands
-#                                      named: installs what is missing, or says its name
+#   need_packages [cmake] [COMMAND:PACKAGE]...
+#                                      compiler, Python with venv, with `cmake` also that and Ninja or Make,
+#                                      and the commands named: installs what is missing, or says its name
 #   firmware_packages                  such pairs, for tools/reports/targets.py
 #   make_venv [NAME]                   build/venv by tools/requirements.txt; with a NAME build/venv-NAME
 #                                      by tools/requirements-NAME.txt.  Sets `venv`
@@ -62,12 +63,15 @@ find_python() { # prints the first one that is 3.11 or later and can make enviro
 
 missing_packages() { # prints Debian's names, those of COMMAND:PACKAGE arguments included
     has_compiler || echo gcc libc6-dev
-    has_cmake || echo cmake
-    has ninja || has make || echo ninja-build
     find_python >/dev/null || echo python3 python3-venv
     local pair
     for pair in "$@"; do
-        has "${pair%%:*}" || echo "${pair#*:}"
+        if [ "$pair" = cmake ]; then
+            has_cmake || echo cmake
+            has ninja || has make || echo ninja-build
+        else
+            has "${pair%%:*}" || echo "${pair#*:}"
+        fi
     done
 }
 
@@ -103,7 +107,7 @@ need_packages() {
     fi
     {
         echo "Please install (Debian's names): $packages"
-        echo "Needed: a C compiler, CMake 3.16, Ninja or Make, and Python 3.11 with venv, or later."
+        echo "Needed: a C compiler, Python 3.11 with venv, where asked for CMake 3.16, or later ones."
     } >&2
     return 1
 }

@@ -66,7 +66,7 @@ static void place(answer *out, const edml_keypoint joints[EDML_JOINTS], const op
     take_placement(out, status, &placement, camera.fx);
 }
 
-/* The lines that are a video, so far. */
+/* The video so far. */
 typedef struct {
     edml_track track;
     unsigned long frame;
@@ -105,7 +105,7 @@ static edml_status lift(answer *out, const edml_keypoint in[], video *before, co
     const edml_keypoint *seen = set->format != NULL ? joints : in;
     edml_status status = lift_frame(&out->pose, seen, before, set);
     if (status != EDML_OK) return status;
-    if (set->track) { /* what it was lifted from */
+    if (set->track) { /* the keypoints that it was lifted from */
         if (seen != joints) memcpy(joints, seen, sizeof joints);
         edml_track_swap_sides(joints, &before->track);
         seen = joints;
@@ -116,7 +116,7 @@ static edml_status lift(answer *out, const edml_keypoint in[], video *before, co
     return status;
 }
 
-/* Poses that were refused: how many, and the first one's line and status. */
+/* How many poses were refused, and the first one's line and status. */
 typedef struct {
     unsigned long count, line;
     const char *status;

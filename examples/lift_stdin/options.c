@@ -136,7 +136,7 @@ static void set_image(options *set, const char *text)
     exit(EXIT_TROUBLE);
 }
 
-/* Numbers separated by commas, as many as wanted; 0 if the text is anything else. */
+/* Reads `count` numbers separated by commas; returns 0 if the text is anything else. */
 static int read_list(float *numbers, int count, const char *text)
 {
     for (int n = 0; n < count; n++) {
@@ -189,7 +189,7 @@ static void set_height(options *set, const char *text)
     exit(EXIT_TROUBLE);
 }
 
-/* An option with a value; 0 if it is none. */
+/* Takes an option that has a value; returns 0 if it is another one. */
 static int set_value(options *set, char **argv, int *i)
 {
     static const struct {
@@ -209,7 +209,7 @@ static int set_value(options *set, char **argv, int *i)
     return 0;
 }
 
-/* An option that only prints ends the program. */
+/* Ends the program after an option that only prints. */
 static void print_and_exit(const char *option)
 {
     if (strcmp(option, "--list-models") == 0)
@@ -226,7 +226,7 @@ static void print_and_exit(const char *option)
     exit(EXIT_OK);
 }
 
-/* The camera of a focal length and an image. */
+/* Makes the camera of a focal length and an image size. */
 static void finish_camera(options *set)
 {
     if (set->focal == 0 && !set->sweep) return;

@@ -59,7 +59,7 @@ static edml_keypoint mean_keypoint(const edml_keypoint in[], const uint8_t index
 }
 
 /* s + k (e - s), with half the lower confidence, because it is a guess.  Both were seen. */
-static edml_keypoint beyond(edml_keypoint s, edml_keypoint e, real k)
+static edml_keypoint keypoint_along(edml_keypoint s, edml_keypoint e, real k)
 {
     if (!is_sound(s)) return s;
     if (!is_sound(e)) return e;
@@ -81,7 +81,7 @@ static edml_keypoint head_of(const edml_keypoint in[], const edml_format *format
     };
     for (unsigned n = 0; n < sizeof evidence / sizeof *evidence; n++) {
         const edml_keypoint e = mean_keypoint(in, evidence[n].index, evidence[n].count, evidence[n].fewest);
-        if (e.c != 0) return beyond(s, e, evidence[n].k);
+        if (e.c != 0) return keypoint_along(s, e, evidence[n].k);
     }
     return unseen_keypoint;
 }
@@ -96,7 +96,7 @@ void edml_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const 
     }
     const edml_keypoint s = mean_keypoint(out, shoulders, 2, 2), h = mean_keypoint(out, hips, 2, 2);
     out[EDML_HEAD] = s.c != 0 ? head_of(in, format, s) : unseen_keypoint;
-    out[EDML_NECK_BASE] = s.c != 0 ? beyond(s, h.c != 0 ? h : s, TRUNK) : unseen_keypoint;
+    out[EDML_NECK_BASE] = s.c != 0 ? keypoint_along(s, h.c != 0 ? h : s, TRUNK) : unseen_keypoint;
 }
 
 #endif

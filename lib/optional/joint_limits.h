@@ -97,14 +97,14 @@ static int count_violations(const point x[EDML_JOINTS])
     const torso_axes chest = torso_axes_of(x, EDML_R_SHOULDER, EDML_L_SHOULDER);
     const torso_axes pelvis = torso_axes_of(x, EDML_R_HIP, EDML_L_HIP);
     point bone[OUTER_BONES];
-    int beyond = 0;
+    int violations = 0;
     for (int n = 0; n < OUTER_BONES; n++) {
         const int kind = outer_bones[n].kind;
         const point points = direction(minus(x[outer_bones[n].to], x[outer_bones[n].from]));
         bone[n] = in_axes(kind < THIGHS ? chest : pelvis, points, n);
-        beyond += !is_human(kind, bone[n], kind == FOREARMS || kind == SHINS ? &bone[n - 2] : NULL);
+        violations += !is_human(kind, bone[n], kind == FOREARMS || kind == SHINS ? &bone[n - 2] : NULL);
     }
-    return beyond;
+    return violations;
 }
 
 static int count_pose_violations(const edml_pose *pose, int reflected)

@@ -86,7 +86,8 @@ def _with_confidence(array: NDArray[np.float32], threshold: float) -> NDArray[np
     if array.shape[-1] == 2:
         array = np.concatenate([array, np.ones_like(array[..., :1])], -1)
     missing = np.isnan(array[..., :2]).any(-1)
-    array[missing | (array[..., 2] <= threshold), 2] = 0
+    confidence = array[..., 2]
+    array[missing | (np.isfinite(confidence) & (confidence <= threshold)), 2] = 0
     array[missing, :2] = 0
     return array
 
@@ -130,6 +131,13 @@ def adapt_joints(
     for one, out in zip(keypoints, joints, strict=True):
         c.edml_adapt(pointer(out), pointer(one), ctypes.addressof(layout))
     return joints
+
+
+def refusable(keypoints: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Keypoints [F,K,3] for to_q16(): a confidence that is not finite has no number in fixed
+    point, but a coordinate that is not finite has one that is refused."""
+    broken = ~np.isfinite(keypoints[..., 2:])
+    return np.where(broken, np.array([-np.inf, 0, 1], np.float32), keypoints)
 
 
 def adapt_joints_q(c: ctypes.CDLL, keypoints: NDArray[np.void], layout: Format) -> NDArray[np.void]:

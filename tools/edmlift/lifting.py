@@ -16,6 +16,7 @@ from edmlift.keypoints import (
     adapt_joints_q,
     from_bits,
     read_keypoints,
+    refusable,
     seen_bits,
     to_q16,
 )
@@ -94,9 +95,9 @@ def lift(
     given, single = read_keypoints(keypoints, format, threshold, image)
     layout = None if format is None else find_format(format)
     if fixed:
-        whole = to_q16(given)
-        whole = whole if layout is None else adapt_joints_q(load(), whole, layout)
-        poses = lift_joints_q(chosen, whole)
+        given_q = to_q16(refusable(given))
+        joints_q = given_q if layout is None else adapt_joints_q(load(), given_q, layout)
+        poses = lift_joints_q(chosen, joints_q)
     else:
         poses = lift_joints(
             chosen, given if layout is None else adapt_joints(load(), given, layout)
@@ -111,6 +112,8 @@ def first(record: _Record) -> _Record:
 
 def batched(poses: Poses) -> tuple[Poses, bool]:
     """Poses with a leading axis, and whether it was missing."""
+    if not isinstance(poses, Poses):
+        raise TypeError(f"takes Poses, as of lift() or Poses.of(), not {type(poses).__name__}")
     single = poses.joints.ndim == 2
     if not single:
         return poses, False

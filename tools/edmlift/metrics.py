@@ -16,8 +16,8 @@ def procrustes(points: ArrayLike, truth: ArrayLike, scale: bool = False) -> NDAr
     the least-squares sense; with `scale`, also scaled."""
     given, target = np.asarray(points, float), np.asarray(truth, float)
     centre = target.mean(-2, keepdims=True)
-    given, target = given - given.mean(-2, keepdims=True), target - centre
-    rotation, singular = _rotation(given, target)
+    given = given - given.mean(-2, keepdims=True)
+    rotation, singular = _rotation(given, target - centre)
     moved = np.einsum("...ni,...ij->...nj", given, rotation)
     if scale:
         size = (given**2).sum((-2, -1))
@@ -25,6 +25,12 @@ def procrustes(points: ArrayLike, truth: ArrayLike, scale: bool = False) -> NDAr
         moved = moved * ratio[..., None, None]
     aligned: NDArray[np.float64] = moved + centre
     return aligned
+
+
+def best_rotation(points: ArrayLike, truth: ArrayLike) -> NDArray[np.float64]:
+    """The rotations [...,3,3] of procrustes(), for points as rows: points @ rotation."""
+    centred = (p - p.mean(-2, keepdims=True) for p in map(np.asarray, (points, truth)))
+    return _rotation(*centred)[0]
 
 
 def _rotation(

@@ -35,7 +35,7 @@ def place(
     *,
     image: tuple[float, float] | None = None,
 ) -> Placements:
-    """Places lifted poses before the camera that saw them (docs/camera.md).
+    """Places lifted poses before the camera that saw them (docs/where-in-the-room.md).
 
     poses   as from `lift` or `track`; the keypoints that they come from are in them
     camera  fx, fy, cx, cy in pixels, or the 3x3 matrix, of a camera without distortion

@@ -89,7 +89,7 @@ def test_results_cannot_be_reassigned():
         edmlift.lift(WALK).joints = None
 
 
-# ---- What was not seen, and what is not a pose ---------------------------------------------------
+# ---- What was not seen, and what is not a pose -------------------------------------------------
 
 
 def test_nan_coordinates_are_not_seen():
@@ -139,10 +139,15 @@ def test_numbers_beyond_float_are_not_finite():
     assert edmlift.lift(keypoints).status[0] == "not_finite"
 
 
-def test_a_nan_confidence_is_refused():
+@pytest.mark.parametrize("fixed", [False, True])
+@pytest.mark.parametrize("confidence", [np.nan, np.inf, -np.inf])
+def test_a_confidence_that_is_not_finite_is_refused(confidence: float, fixed: bool):
     keypoints = WALK[:1].copy()
-    keypoints[0, 3, 2] = np.nan
-    assert edmlift.lift(keypoints).status[0] == "not_finite"
+    keypoints[0, 3, 2] = confidence
+    assert edmlift.lift(keypoints, fixed=fixed).status[0] == "not_finite"
+    detected = coco17(WALK[:1])
+    detected[0, 7, 2] = confidence
+    assert edmlift.lift(detected, format="coco17", fixed=fixed).status[0] == "not_finite"
 
 
 # ---- Formats -----------------------------------------------------------------------------------
@@ -230,7 +235,7 @@ def test_what_are_no_numbers(given):
         edmlift.lift(given)
 
 
-# ---- Fixed point and models ----------------------------------------------------------------------
+# ---- Fixed point and models --------------------------------------------------------------------
 
 
 def test_fixed_point_is_near_float():
@@ -251,7 +256,7 @@ def test_fconv_is_a_model_like_any_other(model: str):
     assert np.abs(poses.joints - edmlift.lift(WALK[:6]).joints).mean() < 0.1
 
 
-# ---- Placing, standing ---------------------------------------------------------------------------
+# ---- Placing, standing -------------------------------------------------------------------------
 
 
 def test_placing_by_a_camera():
@@ -310,7 +315,7 @@ def test_standing_on_the_floor():
             edmlift.stand(poses, up)
 
 
-# ---- Body, quality, limits -----------------------------------------------------------------------
+# ---- Body, quality, limits ---------------------------------------------------------------------
 
 
 def test_fitting_a_height_and_bones():
@@ -386,7 +391,13 @@ def test_poses_from_elsewhere():
         edmlift.Poses.of(lifted.joints, WALK[..., :2])
 
 
-# ---- Video ---------------------------------------------------------------------------------------
+def test_arrays_are_not_poses():
+    for function in (edmlift.quality, edmlift.stand, edmlift.joint_limits, edmlift.uncertainty):
+        with pytest.raises(TypeError, match=r"Poses\.of\(\), not ndarray"):
+            function(WALK)
+
+
+# ---- Video -------------------------------------------------------------------------------------
 
 
 def test_a_video_frame_by_frame_and_at_once():
@@ -436,7 +447,7 @@ def test_a_video_without_times():
     assert list(edmlift.track(WALK[:2], time_ms=[5, 5]).status) == ["ok", "time"]
 
 
-# ---- The package ---------------------------------------------------------------------------------
+# ---- The package -------------------------------------------------------------------------------
 
 
 def test_every_public_name_is_documented():

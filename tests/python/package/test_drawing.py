@@ -1,130 +1,166 @@
-"""The pictures of tools/draw.py, and what it says about files that it cannot use."""
+"""The pictures: what is in them, and what they are not drawn from."""
 
+import re
 from pathlib import Path
 
-import draw
 import numpy as np
 import pytest
-from PIL import Image
+from package_support import DATA, WALK
 
-DATA = Path(__file__).resolve().parents[2] / "examples" / "data"
-WALK, TRUTH = DATA / "walk.csv", DATA / "walk_truth.csv"
-TURN = np.array([[0.8, 0, 0.6], [0, 1, 0], [-0.6, 0, 0.8]])
+import edmlift
+from edmlift.drawing import draw_joint_diagram, spread
+from edmlift.drawing.diagram import joint_positions
+from edmlift.drawing.palette import SIDES, WHITE, flat_palette, mix, rgb
+from edmlift.drawing.scene import ABOVE, CAMERA, SIDE, View, level, look, scene_of
+
+Image = pytest.importorskip("PIL.Image", reason="no Pillow")
+TRUTH = edmlift.read_truth(DATA / "walk_truth.csv")
 
 pytestmark = pytest.mark.filterwarnings("error")
 
 
-def write_lifted(path: Path, poses: np.ndarray, refused: tuple[int, ...] = ()) -> Path:
-    """A file as lift_stdin writes it."""
-    lines = ["ok," + ",".join(f"{v:.6g}" for v in pose.ravel()) + ",5.5,0.02" for pose in poses]
-    for i in refused:
-        lines[i] = "too_few_joints" + "," * 44
-    path.write_text("\n".join(lines) + "\n")
-    return path
-
-
-@pytest.fixture
-def lifted(tmp_path: Path) -> Path:
+def poses(count: int = 39) -> edmlift.Poses:
     """The walk's truth, as if it had been lifted."""
-    return write_lifted(tmp_path / "lifted.csv", draw.read_truth(TRUTH))
+    return edmlift.Poses.of(TRUTH[:count], WALK[:count])
 
 
-@pytest.fixture
-def short(tmp_path: Path) -> tuple[Path, Path]:
-    """Four poses as keypoints and lifted: a missing arm, a refused one, a line that is none."""
-    lines = [line for line in WALK.read_text().splitlines() if not line.startswith("#")][:4]
-    arm = lines[1].split(",")
-    arm[9:15] = "000000"
-    lines[1], lines[2] = ",".join(arm), "text"
-    keypoints = tmp_path / "short.csv"
-    keypoints.write_text("\n".join(lines))
-    return keypoints, write_lifted(tmp_path / "out.csv", draw.read_truth(TRUTH)[:4], refused=(2, 3))
+def colours(path: Path) -> set[tuple[int, int, int]]:
+    with Image.open(path) as image:
+        return {colour for _, colour in image.convert("RGB").getcolors(1 << 24)}
 
 
-def run(*arguments: str | Path) -> int:
-    return draw.main([str(argument) for argument in arguments])
+# ---- Pictures ----------------------------------------------------------------------------------
 
 
-# ---- Pictures --------------------------------------------------------------------------------
-
-
-def test_sheet(tmp_path: Path, lifted: Path, capsys: pytest.CaptureFixture):
+def test_sheet(tmp_path: Path):
     out = tmp_path / "walk.png"
-    assert run(WALK, lifted, "--out", out, "--truth", TRUTH, "--title", "A walk") == 0
-    printed = capsys.readouterr()
-    assert printed.err == ""
-    assert printed.out.startswith("39 of 39 poses lifted; mean error 0.0 mm root-relative, 0.0 mm")
+    edmlift.draw(poses(), out, truth=TRUTH, title="A walk")
     with Image.open(out) as image:
         wide, high = image.size
-        colours = image.convert("RGB").getcolors(1 << 24)
-    assert 1700 <= wide <= 1900 and 0.5 < high / wide < 1.2
-    drawn = {colour for _, colour in colours}
-    for name in draw.COLOURS.values():
-        assert tuple(bytes.fromhex(name[1:])) in drawn
+    assert 1400 <= wide <= 1600 and 0.8 < high / wide < 1.4
+    assert {rgb(colour) for colour in SIDES.values()} < colours(out)
+    assert out.stat().st_size < 200_000
 
 
-@pytest.mark.parametrize(("kind", "start"), [("svg", b"<?xml"), ("pdf", b"%PDF"), ("PNG", b"\x89")])
-def test_other_kinds_of_sheet(tmp_path: Path, lifted: Path, kind: str, start: bytes):
-    out = tmp_path / f"walk.{kind}"
-    assert run(WALK, lifted, "--out", out, "--frames", "2") == 0
-    assert out.read_bytes().startswith(start)
-
-
-def test_one_frame_is_a_strip(tmp_path: Path, lifted: Path):
+def test_one_pose_is_a_strip(tmp_path: Path):
     out = tmp_path / "walk.png"
-    assert run(WALK, lifted, "--out", out, "--frame", "38") == 0
+    edmlift.draw(edmlift.Poses.of(TRUTH[5], WALK[5]), out)
     with Image.open(out) as image:
-        assert 800 <= image.width <= 1800
-        assert image.height < image.width
+        assert 800 <= image.width <= 1500 and image.height < 0.7 * image.width
 
 
-def test_animation(tmp_path: Path, short: tuple[Path, Path]):
-    out = tmp_path / "short.gif"
-    assert run(*short, "--out", out, "--title", "Four poses") == 0
+def test_animation(tmp_path: Path):
+    out = tmp_path / "walk.gif"
+    edmlift.draw(poses(), out, title="A walk")
     with Image.open(out) as image:
-        assert image.n_frames == 4
-        assert 600 <= image.width <= 1400 and 300 <= image.height <= 700
-        assert 15 <= 1000 / image.info["duration"] <= 30
-        assert image.info["loop"] == 0
+        assert image.n_frames == 2 * 39  # a whole turn
+        assert 600 <= image.width <= 1000 and 300 <= image.height <= 600
+        assert image.info["duration"] == 50 and image.info["loop"] == 0
+        first = np.asarray(image.convert("RGB"), int)
+        image.seek(39)  # the same pose, from behind
+        later = np.asarray(image.convert("RGB"), int)
+    changed = np.flatnonzero((first != later).any((0, 2)))
+    assert len(changed) > 50  # the 3D panel
+    assert changed.min() > 250 and changed.max() < 0.75 * first.shape[1]  # and nothing else
+    assert out.stat().st_size < 1_500_000
 
 
-def test_refused_poses_and_missing_joints(tmp_path: Path, short: tuple[Path, Path]):
-    out = tmp_path / "short.svg"
-    assert run(*short, "--out", out, "--frames", "4") == 0
-    assert out.read_text().count("<!-- too_few_joints -->") == 4  # two poses from two sides
-    assert "<!-- not seen in 2D -->" in out.read_text()
+def test_one_pose_turns_for_a_while(tmp_path: Path):
+    out = tmp_path / "one.gif"
+    edmlift.draw(poses(1), out, fps=25)
+    with Image.open(out) as image:
+        assert image.n_frames == 80 and image.info["duration"] == 40
 
 
-def test_nothing_lifted_at_all(tmp_path: Path, capsys: pytest.CaptureFixture):
-    nothing = write_lifted(tmp_path / "nothing.csv", np.zeros((39, 14, 3)), tuple(range(39)))
-    assert run(WALK, nothing, "--out", tmp_path / "x.png", "--truth", TRUTH) == 0
-    assert capsys.readouterr().out == "0 of 39 poses lifted\n"
+def test_poses_without_an_image(tmp_path: Path):
+    edmlift.draw(edmlift.Poses.of(TRUTH), tmp_path / "sheet.png")
+    edmlift.draw(poses(), tmp_path / "whole.png")
+    with Image.open(tmp_path / "sheet.png") as image, Image.open(tmp_path / "whole.png") as whole:
+        assert image.height < whole.height
 
 
-def test_from_python(tmp_path: Path):
-    truth = draw.read_truth(TRUTH)
-    keypoints = draw.read_keypoints(WALK)
-    status = ["ok"] * len(truth)
-    draw.draw_sheet(keypoints, truth, status, tmp_path / "sheet.png", title="A walk", frames=[1, 5])
-    draw.draw_animation(keypoints[:2], truth[:2], status[:2], tmp_path / "walk.gif", truth[:2])
-    assert (tmp_path / "sheet.png").stat().st_size > 10_000
-    assert (tmp_path / "walk.gif").stat().st_size > 10_000
+def test_refused_poses_and_missing_joints(tmp_path: Path):
+    status = np.array(["ok", "ok", "too_few_joints", "ok"])
+    keypoints, joints = WALK[:4].copy(), TRUTH[:4].copy()
+    keypoints[1, 3:5] = 0
+    keypoints[2], joints[2] = 0, np.nan
+    given = edmlift.Poses.of(joints, keypoints, status)
+    edmlift.draw(given, tmp_path / "refused.png", frames=range(4))
+    edmlift.draw(given, tmp_path / "refused.gif")
+    nothing = edmlift.Poses.of(joints * np.nan, keypoints * 0, ["degenerate"] * 4)
+    edmlift.draw(nothing, tmp_path / "nothing.png")
+    assert not {rgb(SIDES["left"]), rgb(SIDES["right"])} - colours(tmp_path / "refused.png")
 
 
-# ---- Numbers ---------------------------------------------------------------------------------
+def test_a_photo_is_behind_the_keypoints(tmp_path: Path):
+    photo = np.full((1000, 1000, 3), (40, 200, 90), np.uint8)
+    Image.fromarray(photo).save(tmp_path / "photo.png")
+    veiled = tuple(int(c + (255 - c) * 0.25) for c in (40, 200, 90))
+    for pictures in ([photo], [tmp_path / "photo.png"] * 6):
+        edmlift.draw(poses(6), tmp_path / "out.png", pictures=pictures)
+        assert any(max(abs(a - b) for a, b in zip(c, veiled, strict=True)) < 3
+                   for c in colours(tmp_path / "out.png"))  # fmt: skip
+    edmlift.draw(poses(3), tmp_path / "out.gif", pictures=[photo])
 
 
-def test_mean_errors_by_hand():
-    truth = draw.read_truth(TRUTH)
-    moved = truth + [0.3, -0.2, 0.1]
-    np.testing.assert_allclose(draw.mean_errors(moved, truth), 0, atol=1e-6)
-    relative, aligned = draw.mean_errors(truth @ TURN, truth)
-    assert relative > 50 and aligned < 1e-6
-    lower = truth.copy()
-    lower[:, 0, 1] += 0.14  # the head's top alone, 140 mm
-    assert draw.mean_errors(lower, truth)[0] == pytest.approx(10)
-    lower[3:] = np.nan
-    assert draw.mean_errors(lower, truth)[0] == pytest.approx(10)
+def test_the_diagram_of_the_joints(tmp_path: Path):
+    out = tmp_path / "joints.png"
+    draw_joint_diagram(out)
+    assert out.stat().st_size < 60_000
+    at = joint_positions()
+    right, left = at[[2, 3, 4, 8, 9, 10]], at[[5, 6, 7, 11, 12, 13]]
+    assert (right[:, 0] < at[0, 0]).all() and (left[:, 0] > at[0, 0]).all()
+    apart = np.diff(np.sort(left[:, 1]))
+    assert apart.min() >= 22  # no name over another
+
+
+# ---- Numbers -----------------------------------------------------------------------------------
+
+
+def test_views():
+    x, y, z = np.eye(3)
+    for view, right, up, near in ((CAMERA, x, -y, -z), (SIDE, z, -y, x), (ABOVE, x, z, -y)):
+        assert look(right, view)[0] == pytest.approx(1, abs=0.3)
+        assert look(up, view)[1] > 0.9
+        assert look(near, view)[2] > 0.9
+    assert look(x, View("", 360.0)) == pytest.approx(look(x, CAMERA))
+
+
+def test_a_pitched_cameras_poses_are_level():
+    pitch = np.radians(30)
+    up = np.array([0, -np.cos(pitch), -np.sin(pitch)])  # in axes of a camera that looks down
+    points = np.stack([2 * up, [1.0, 0, 0]])
+    assert level(points, 30) == pytest.approx(np.array([[0, -2, 0], [1, 0, 0]]))
+    assert (level(points, 0) == points).all()
+
+
+def test_windows_hold_the_poses_at_one_scale():
+    scene = scene_of(poses(), TRUTH.astype(float), 8.5, True, 1.5)
+    for view in (CAMERA, SIDE, ABOVE, View("", 45.0)):
+        left, right, bottom, top = scene.view_window(view)
+        at = look(scene.poses, view)
+        assert (left < at[..., 0]).all() and (at[..., 0] < right).all()
+        assert (bottom < at[..., 1]).all() and (at[..., 1] < top).all()
+        assert scene.panel_size(view, 100) == pytest.approx(
+            (100 * (right - left), 100 * (top - bottom))
+        )
+    assert scene.poses[..., 1].max(1) == pytest.approx(0)  # on the floor
+
+
+def test_the_truth_of_a_refused_pose_does_not_count():
+    status = np.where(np.arange(39) == 3, "degenerate", "ok")
+    joints = np.where((status == "ok")[:, None, None], TRUTH, np.nan)
+    refused = edmlift.Poses.of(joints, WALK, status)
+    far = TRUTH.astype(float)
+    far[3] += 9
+    window = scene_of(refused, far, 0, True, 1.5).window
+    np.testing.assert_allclose(window, scene_of(refused, None, 0, True, 1.5).window, atol=0.05)
+
+
+def test_colours():
+    assert mix("#000000", WHITE, 0.5) == "#808080" and mix("#123456", WHITE, 0) == "#123456"
+    palette = np.reshape(flat_palette(), (-1, 3))
+    assert len(palette) <= 128 and {rgb(c) for c in SIDES.values()} < set(map(tuple, palette))
 
 
 @pytest.mark.parametrize(
@@ -132,113 +168,39 @@ def test_mean_errors_by_hand():
     [(39, 6, [3, 9, 16, 22, 29, 35]), (3, 6, [0, 1, 2]), (10, 1, [5]), (1, 6, [0])],
 )
 def test_spread(count: int, columns: int, frames: list[int]):
-    assert draw.spread(count, columns) == frames
+    assert spread(count, columns) == frames
 
 
-def test_views():
-    x, y, z = np.eye(3)
-    for degrees, right, near in ((0, x, -z), (90, z, x)):
-        assert draw.turn(right, degrees)[0] == pytest.approx(1)
-        assert draw.turn(-y, degrees)[1] > 0.9
-        assert draw.turn(near, degrees)[2] > 0.9
-
-
-def test_a_pitched_cameras_poses_are_turned_upright():
-    pitch = np.radians(30)
-    up = np.array([0, -np.cos(pitch), -np.sin(pitch)])  # in axes of a camera that looks down
-    poses = np.stack([2 * up, [1.0, 0, 0]])
-    assert draw.upright(poses, 30) == pytest.approx(np.array([[0, -2, 0], [1, 0, 0]]))
-    assert (draw.upright(poses, 0) == poses).all()
-
-
-def test_read_keypoints_reads_what_lift_stdin_does(tmp_path: Path):
-    path = tmp_path / "in.csv"
-    numbers = np.arange(1, 29)
-    path.write_bytes(
-        b"\xef\xbb\xbf# names\r\n\r\n"
-        + " \t".join(map(str, numbers)).encode()
-        + b"\r\n"
-        + b"1,,2\n"
-        + ",".join(f"{n}, {n},0.3" for n in range(14)).encode()
-    )
-    poses = draw.read_keypoints(path, threshold=0.3)
-    np.testing.assert_array_equal(poses[0, :, :2].ravel(), numbers)
-    assert (poses[0, :, 2] == 1).all()
-    assert np.isnan(poses[1]).all()
-    assert (poses[2, :, 2] == 0).all()
-
-
-def test_read_lifted_with_and_without_header(lifted: Path):
-    poses, status = draw.read_lifted(lifted)
-    lifted.write_text("status," + ",".join("abc") + "\n" + lifted.read_text())
-    again, _ = draw.read_lifted(lifted)
-    np.testing.assert_array_equal(poses, again)
-    assert set(status) == {"ok"}
-    np.testing.assert_allclose(poses, draw.read_truth(TRUTH), atol=1e-6)
-
-
-# ---- Errors ----------------------------------------------------------------------------------
-
-
-def fails(capsys: pytest.CaptureFixture, *arguments: str | Path) -> str:
-    """The one line that it says when it gives up."""
-    assert run(*arguments) == 1
-    printed = capsys.readouterr()
-    assert printed.out == "" and printed.err.count("\n") == 1
-    assert printed.err.startswith("draw: ")
-    return printed.err
-
-
-def test_files_of_unequal_length(tmp_path: Path, lifted: Path, capsys: pytest.CaptureFixture):
-    out = tmp_path / "x.png"
-    message = fails(capsys, DATA / "kick.csv", lifted, "--out", out)
-    assert "kick.csv has 47, " in message and "lifted.csv has 39" in message
-    message = fails(capsys, WALK, lifted, "--out", out, "--truth", DATA / "kick_truth.csv")
-    assert "kick_truth.csv has 47" in message
-    assert not out.exists()
-
-
-def test_no_camera_looks_down_by_more_than_a_right_angle(lifted: Path, tmp_path: Path, capsys):
-    assert run(WALK, lifted, "--out", tmp_path / "a.png", "--pitch", "91") == 1
-    assert capsys.readouterr().err == "draw: --pitch 91: must be within 90 degrees\n"
-
-
-def test_unreadable_files(tmp_path: Path, lifted: Path, capsys: pytest.CaptureFixture):
-    out, none = tmp_path / "x.png", tmp_path / "none.csv"
-    for files in ((none, lifted), (WALK, none), (WALK, lifted, "--truth", none)):
-        assert "none.csv: No such file" in fails(capsys, *files, "--out", out)
-    assert "Is a directory" in fails(capsys, tmp_path, lifted, "--out", out)
-
-
-def test_files_of_another_kind(tmp_path: Path, lifted: Path, capsys: pytest.CaptureFixture):
-    out, empty = tmp_path / "x.png", tmp_path / "empty.csv"
-    empty.write_text("# nothing\n")
-    assert "pose 1 is not a line of lift_stdin" in fails(capsys, WALK, WALK, "--out", out)
-    assert "holds no pose of 28 or 42" in fails(capsys, lifted, lifted, "--out", out)
-    assert "holds no pose" in fails(capsys, empty, lifted, "--out", out)
-    assert "pose 1 is not 42" in fails(capsys, WALK, lifted, "--out", out, "--truth", lifted)
-
-
-@pytest.mark.parametrize("name", ["x.jpg", "x", "x.gif.txt"])
-def test_unknown_extension(name: str, lifted: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
-    assert "must end in .png, .svg, .pdf or .gif" in fails(
-        capsys, WALK, lifted, "--out", tmp_path / name
-    )
-
-
-@pytest.mark.parametrize("kind", ["png", "svg", "gif"])
-def test_unwritable(kind: str, short: tuple[Path, Path], tmp_path: Path, capsys):
-    message = fails(capsys, *short, "--out", tmp_path / "nowhere" / f"x.{kind}")
-    assert "No such file or directory" in message
+# ---- Errors ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    "options", [("--frame", "39"), ("--frame", "-1"), ("--frames", "0"), ("--frames", "25")]
+    ("name", "options", "message"),
+    [
+        ("x.jpg", {}, "must end in .png or .gif"),
+        ("x", {}, "must end in .png or .gif"),
+        ("x.gif", {"frames": [1]}, "a .gif shows the whole sequence"),
+        ("x.png", {"frames": [39]}, "frames must be from 0 to 38"),
+        ("x.png", {"frames": [-1]}, "frames must be from 0 to 38"),
+        ("x.png", {"frames": []}, "frames must be from 0 to 38"),
+        ("x.png", {"truth": TRUTH[:3]}, "as many in truth: 39 and 3"),
+        ("x.png", {"pitch": 91}, "pitch must be -90 to 90"),
+        ("x.gif", {"fps": 0}, "fps 1 to 50"),
+        ("x.png", {"pictures": [1, 2]}, "pictures must be 1, or 39"),
+    ],
 )
-def test_frames_that_are_not_there(options, lifted: Path, tmp_path: Path, capsys):
-    assert options[0] in fails(capsys, WALK, lifted, "--out", tmp_path / "x.png", *options)
+def test_what_cannot_be_drawn(name: str, options: dict, message: str, tmp_path: Path):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        edmlift.draw(poses(), tmp_path / name, **options)
+    assert not list(tmp_path.iterdir())
 
 
-def test_frames_of_an_animation(lifted: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
-    message = fails(capsys, WALK, lifted, "--out", tmp_path / "x.gif", "--frames", "3")
-    assert "a .gif shows the whole sequence" in message
+def test_no_poses_at_all(tmp_path: Path):
+    with pytest.raises(ValueError, match="needs poses"):
+        edmlift.draw(edmlift.Poses.of(TRUTH[:0]), tmp_path / "x.png")
+
+
+def test_without_pillow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("edmlift.drawing.canvas.Image", None)
+    with pytest.raises(ImportError, match=re.escape("pip install 'edmlift[draw]'")):
+        edmlift.draw(poses(), tmp_path / "x.png")

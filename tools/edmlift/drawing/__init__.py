@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from edmlift.drawing.canvas import open_picture, picture_of
 from edmlift.drawing.diagram import draw_joint_diagram
 from edmlift.drawing.figure import save_sheet, save_turning, spread
 from edmlift.drawing.scene import scene_of
@@ -78,5 +77,4 @@ def _photos(pictures: Sequence[Any] | None, count: int) -> list[Any]:
         return [None] * count
     if len(pictures) not in (1, count):
         raise ValueError(f"pictures must be 1, or {count}, one a pose, not {len(pictures)}")
-    opened = [open_picture(p) if isinstance(p, str | Path) else picture_of(p) for p in pictures]
-    return opened * count if len(opened) == 1 else opened
+    return list(pictures) * (count if len(pictures) == 1 else 1)

@@ -128,17 +128,18 @@ def text_width(text: str, size: float) -> float:
     return float(_font(size * SMOOTH).getlength(text)) / SMOOTH
 
 
-def open_picture(path: str | Path) -> PillowImage:
-    """A picture from a file; OSError if it is none."""
+def load_picture(source: str | Path | NDArray[np.uint8]) -> PillowImage:
+    """A picture of a file, OSError if it is none, or of an array [height,width,3] of RGB bytes."""
     need_pillow()
+    if isinstance(source, np.ndarray):
+        return Image.fromarray(source)
+    return _open(Path(source))
+
+
+@functools.lru_cache(maxsize=1)  # one picture for all frames is read once, many are not kept
+def _open(path: Path) -> PillowImage:
     with Image.open(path) as picture:
         return picture.convert("RGB")
-
-
-def picture_of(array: NDArray[np.uint8]) -> PillowImage:
-    """A picture from an array [height,width,3] of RGB bytes."""
-    need_pillow()
-    return Image.fromarray(array)
 
 
 def save_picture(canvas: Canvas, path: Path, photo: bool = False) -> None:

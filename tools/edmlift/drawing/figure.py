@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -12,9 +12,6 @@ from edmlift.drawing.canvas import Canvas, save_animation, save_picture, text_wi
 from edmlift.drawing.palette import FAINT, SIDE_NAMES, SIDES, TEXT, TRUTH, WHITE
 from edmlift.drawing.panels import image_panel, pose_panel
 from edmlift.drawing.scene import ABOVE, CAMERA, GRID, SIDE, VIEWS, Scene, View
-
-if TYPE_CHECKING:
-    from PIL.Image import Image as PillowImage
 
 # Sizes in pixels.
 MARGIN, GAP = 18, 12
@@ -24,7 +21,7 @@ SHEET_WIDTH = 1500
 STRIP_HIGH, ANIMATION_HIGH = 460, 360
 TURN_FRAMES = 80  # of an animation, in about which the figure turns once
 
-Photos = Sequence["PillowImage | None"]
+Photos = Sequence[Any]  # a frame's each: what load_picture() takes, or None
 
 
 def save_sheet(
@@ -134,7 +131,7 @@ def _draw_turning(
 
 def _panel(
     scene: Scene, i: int, view: View | None, width: float, height: float,
-    photo: PillowImage | None,
+    photo: Any,
 ) -> Canvas:  # fmt: skip
     if view is None:
         return image_panel(scene, i, width, height, photo)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from edmlift.drawing.canvas import Canvas
+from edmlift.drawing.canvas import Canvas, load_picture
 from edmlift.drawing.palette import (
     CAMERA,
     FADE,
@@ -36,28 +36,24 @@ from edmlift.drawing.scene import (
 )
 from edmlift.joints import INDEX
 
-if TYPE_CHECKING:
-    from PIL.Image import Image as PillowImage
-
 _VEIL = 0.25  # of white over a photo
+_RIM = 1.55  # of a bone's width: with its white rim
 _HEAD = 0.105  # metres: radius of the head that is drawn
 _Item = tuple[float, Callable[[], None]]  # depth, and what draws it
 
 
-def image_panel(
-    scene: Scene, i: int, width: float, height: float, photo: PillowImage | None = None
-) -> Canvas:
+def image_panel(scene: Scene, i: int, width: float, height: float, photo: Any = None) -> Canvas:
     """The 2D input of pose i, on its photo; joints that were not seen are left out."""
     panel = Canvas(width, height, PAPER)
     (x, y), (w, h) = scene.image_centre[i], scene.image_size
     scale = panel.height / h
     w = panel.width / scale
     if photo is not None:
-        panel.picture(photo, (x - w / 2, y - h / 2, x + w / 2, y + h / 2), _VEIL)
+        panel.picture(load_picture(photo), (x - w / 2, y - h / 2, x + w / 2, y + h / 2), _VEIL)
     at = (scene.keypoints[i] - [x - w / 2, y - h / 2, 0]) * [scale, scale, 0]
     at[~scene.seen[i]] = np.nan
     neck = at[INDEX["head"]] - at[INDEX["neck_base"]]
-    head = 0.4 * float(np.hypot(neck[0], neck[1])) if photo is None else 0.0
+    head = 0.4 * float(np.hypot(neck[0], neck[1])) if photo is None else None
     _skeleton(panel, at, scene.seen[i], head)
     return panel
 
@@ -117,13 +113,13 @@ def _floor(panel: Canvas, to_pixels: Callable[[Array], Array], scene: Scene, vie
     panel.polygon(to_pixels(wedge), CAMERA)
 
 
-def _skeleton(panel: Canvas, at: Array, seen: NDArray[np.bool_], head: float) -> None:
+def _skeleton(panel: Canvas, at: Array, seen: NDArray[np.bool_], head: float | None) -> None:
     """Bones and joints of points [14,3], pixels and depth, the farthest first, and a body with a
-    head of so many pixels' radius; 0: without."""
+    head of so many pixels' radius; None: without."""
     at, width = with_middle(at), _limb_width(panel)
     known: NDArray[np.bool_] = np.all(np.isfinite(at), axis=1)
     items: list[_Item] = []
-    if head > 0:
+    if head is not None:
         items += _body(panel, at, head)
     depth = at[known, 2]
     far, spread = (depth.min(), np.ptp(depth)) if len(depth) else (0.0, 0.0)
@@ -133,9 +129,12 @@ def _skeleton(panel: Canvas, at: Array, seen: NDArray[np.bool_], head: float) ->
         return mix(SIDES[side], WHITE, amount * min(1.0, spread / 0.5))
 
     for a, b, side in DRAWN:
-        if known[a] and known[b]:
-            near = float(at[[a, b], 2].mean())
-            items.append((near, _bone(panel, at[[a, b], :2], faded(side, near), width)))
+        if not (known[a] and known[b]):
+            continue
+        ends, near = at[[a, b], :2], float(at[[a, b], 2].mean())
+        if head is None:  # before a photo, the rim has no gaps
+            panel.line(ends, WHITE, _RIM * width)
+        items.append((near, _bone(panel, ends, faded(side, near), width, rim=head is not None)))
     for j in np.flatnonzero(known[:MIDDLE]):
         near = float(at[j, 2])
         colour = faded(JOINT_SIDE[j], near)
@@ -144,12 +143,13 @@ def _skeleton(panel: Canvas, at: Array, seen: NDArray[np.bool_], head: float) ->
         draw()
 
 
-def _bone(panel: Canvas, ends: Array, colour: str, width: float) -> Callable[[], None]:
-    """A line with a white rim, which is shorter, so that it does not cut into the neighbours."""
-    rim = np.array([[0.78, 0.22], [0.22, 0.78]]) @ ends
+def _bone(panel: Canvas, ends: Array, colour: str, width: float, rim: bool) -> Callable[[], None]:
+    """A line; with a white rim that is shorter, so that it does not cut into the neighbours."""
+    inner = np.array([[0.78, 0.22], [0.22, 0.78]]) @ ends
 
     def draw() -> None:
-        panel.line(rim, WHITE, width * 1.55)
+        if rim:
+            panel.line(inner, WHITE, _RIM * width)
         panel.line(ends, colour, width)
 
     return draw

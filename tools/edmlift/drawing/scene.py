@@ -119,7 +119,9 @@ def scene_of(
     joints = level(poses.joints, pitch)
     floor = np.nan_to_num(joints[..., 1].max(1), nan=0)[:, None] * [0.0, 1.0, 0.0]
     joints = joints - floor[:, None]
-    true = None if truth is None else level(truth, pitch) - floor[:, None]
+    true = None
+    if truth is not None:  # a pose that was refused stands nowhere
+        true = np.where(poses.ok[:, None, None], level(truth, pitch) - floor[:, None], np.nan)
     keypoints = poses.keypoints.astype(float)
     shown = poses.seen & np.isfinite(keypoints).all(-1)
     window, half = _windows(joints if true is None else np.concatenate([joints, true]))
