@@ -497,7 +497,7 @@ def test_command_line(folder: Path):
 def test_command_line_fails_with_one_line(tmp_path: Path):
     done = run_mocap(tmp_path, "--out", tmp_path / "out.npz")
     assert done.returncode == 1
-    assert done.stderr.startswith("mocap.py: ") and done.stderr.count("\n") == 1
+    assert done.stderr.startswith("mocap: ") and done.stderr.count("\n") == 1
 
 
 # .npz files
