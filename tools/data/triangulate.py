@@ -50,26 +50,26 @@ def read_cameras(path: Path) -> list[Camera]:
 
 
 def triangulate(
-    views: list[Camera], pixels: np.ndarray, weights: np.ndarray, swapped: np.ndarray
+    views: list[Camera], pixels: np.ndarray, weights: np.ndarray, counterpart: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points from V views, and which view of each frame has left and right exchanged, if one has.
+    """Points from V views, and which view of each frame has left and right swapped, if one has.
 
-    pixels [V,F,N,2]; weights [V,F,N], such as confidences; swapped [N] index of each point's
-    counterpart -> points [F,N,3] world, metres; exchanged [V,F]; errors [V,F,N]: distances from
-    the pixels, those of exchanged views from the counterparts'.
+    pixels [V,F,N,2]; weights [V,F,N], such as confidences; counterpart [N]: index of each
+    point's counterpart -> points [F,N,3] world, metres; swapped [V,F]; errors [V,F,N]: distances
+    from the pixels, those of swapped views from the counterparts'.
     """
     tries = [()] + [(view,) for view in range(len(views))]
     results = []
-    for exchange in tries:
+    for swap in tries:
         at, weight = pixels.copy(), weights.copy()
-        for view in exchange:
-            at[view], weight[view] = at[view][:, swapped], weight[view][:, swapped]
+        for view in swap:
+            at[view], weight[view] = at[view][:, counterpart], weight[view][:, counterpart]
         results.append(_intersect(views, at, weight))
     points, errors = (np.stack(part) for part in zip(*results, strict=True))
     best = errors.mean((1, 3)).argmin(0)  # [F] into tries
     frames = np.arange(pixels.shape[1])
-    exchanged = best == np.arange(1, len(tries))[:, None]
-    return points[best, frames], exchanged, np.moveaxis(errors[best, :, frames], 0, 1)
+    swapped = best == np.arange(1, len(tries))[:, None]
+    return points[best, frames], swapped, np.moveaxis(errors[best, :, frames], 0, 1)
 
 
 def _intersect(

@@ -192,7 +192,7 @@ def report(figures: dict[str, dict]) -> str:
 
 
 def picture(library: Library, clips: dict[str, Clip], path: Path) -> None:
-    """What was lifted, and the reference, of a few frames; small, with a palette."""
+    """Draws what was lifted of a few frames, and the reference."""
     keypoints, truth = (
         np.concatenate([getattr(clips[name], field) for name in BEAM])
         for field in ("keypoints", "truth")
@@ -200,8 +200,9 @@ def picture(library: Library, clips: dict[str, Clip], path: Path) -> None:
     poses = library.lift(keypoints)
     truth = truth - mid_hip(truth)[:, None]
     frames = [len(clips[BEAM[0]].keypoints) * view + frame for view, frame in DRAWN]
+    names = [f"camera {view + 1}, frame {frame}" for view, frame in DRAWN]
     title = "edmlift: detections of BlazePose, lifted, and triangulated from four cameras"
-    edmlift.draw(poses, path, truth=truth, title=title, frames=frames)
+    edmlift.draw(poses, path, truth=truth, title=title, frames=frames, names=names)
 
 
 def options(parser: argparse.ArgumentParser) -> None:

@@ -46,7 +46,7 @@ def read_keypoints(path: Path) -> np.ndarray:
 def read_lsp(path: Path) -> np.ndarray:
     """`joints` [3,14,F]: rows x, y, occluded; [14,3,F] and a third row `visible` in LSP extended.
 
-    Hidden joints are annotated, too, and count as seen; where LSP extended has zeros, they do not.
+    Hidden joints are annotated as well, and count as seen; zeros in LSP extended do not.
     """
     contents = scipy.io.loadmat(path)
     if "joints" not in contents:
