@@ -19,6 +19,7 @@ import xml.etree.ElementTree as ElementTree
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import cv2
 import mediapipe
@@ -31,6 +32,8 @@ KEYPOINTS = 33
 
 @dataclass(frozen=True)
 class Clip:
+    """A video of a package, and how many of its frames are written."""
+
     package: str
     video: str
     every: int  # frames of which one is written
@@ -71,7 +74,7 @@ def detect(video: Path, every: int) -> Detections:
     return Detections(np.array(keypoints), np.array(world), size, rate)
 
 
-def _numbers(found, fields: str) -> np.ndarray:
+def _numbers(found: Any, fields: str) -> np.ndarray:
     """[33,3] of a list of landmarks, or zeros."""
     if found is None:
         return np.zeros((KEYPOINTS, 3))

@@ -16,6 +16,7 @@ import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -82,7 +83,7 @@ class _Arrays(pickle.Unpickler):
         )
     )
 
-    def find_class(self, module: str, name: str):
+    def find_class(self, module: str, name: str) -> Any:
         if (module, name) not in self.ALLOWED:
             raise pickle.UnpicklingError(f"holds {module}.{name}, which is no array")
         return super().find_class(module, name)
@@ -106,7 +107,7 @@ def read_positions(path: Path, layout: Layout) -> Sequences:
     return result
 
 
-def _positions_3d(path: Path, layout: Layout):
+def _positions_3d(path: Path, layout: Layout) -> Any:
     """The object stored under positions_3d."""
     try:
         with zipfile.ZipFile(path) as archive:
@@ -133,7 +134,7 @@ def _positions_3d(path: Path, layout: Layout):
         raise MocapError(f"{path}: not readable ({error})") from None
 
 
-def _joints(where: str, array, layout: Layout) -> np.ndarray:
+def _joints(where: str, array: Any, layout: Layout) -> np.ndarray:
     """Our joints of a sequence, y up: [F,N,3] -> [F,14,3]."""
     shape = getattr(array, "shape", None)
     if shape is None or len(shape) != 3 or shape[1:] != (layout.keypoints, 3):

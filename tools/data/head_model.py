@@ -58,6 +58,7 @@ class Frame:
     size: np.ndarray
 
     def at(self, origin: np.ndarray, millimetres: tuple[float, float, float]) -> np.ndarray:
+        """The point [F,3] so many millimetres to the left, up and forward of an origin [F,3]."""
         left, up, forward = millimetres
         step = left * self.left + up * self.up + forward * self.forward
         return origin + step * self.size[:, None] / 1000

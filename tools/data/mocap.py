@@ -127,7 +127,7 @@ class Trial:
 class TextFile:
     """The non-blank lines of a file as (number, words), and errors that name the line."""
 
-    def __init__(self, path: Path):
+    def __init__(self, path: Path) -> None:
         self.path = path
         try:
             text = path.read_text(encoding="utf-8", errors="replace")
@@ -752,7 +752,7 @@ def _checked(motion: Motion, path: Path) -> Motion:
     return motion
 
 
-def main() -> int:
+def options() -> argparse.Namespace:
     defaults = Cleaning()
     parser = argparse.ArgumentParser(
         description="Reads motion capture (ASF/AMC in CMU's layout, BVH) below a folder and "
@@ -796,7 +796,11 @@ def main() -> int:
         metavar="ASF",
         help="restore bones of no length in BVH files from this person's skeleton",
     )
-    args = parser.parse_args()
+    return parser.parse_args()
+
+
+def main() -> int:
+    args = options()
     try:
         cleaning = Cleaning(
             fps=args.fps,

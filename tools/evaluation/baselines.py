@@ -54,7 +54,7 @@ def read_trained(path: Path, test: Motion, train: Motion, columns: list[str]) ->
 class MeanPose:
     """The same pose for everyone: the mean of the training poses, each rotated to it."""
 
-    def __init__(self, train: Motion):
+    def __init__(self, train: Motion) -> None:
         poses = train.joints - train.joints.mean(1, keepdims=True)
         mean = poses[0]
         for _ in range(ROUNDS):
@@ -62,13 +62,14 @@ class MeanPose:
         self._pose = mean - mid_hip(mean)
 
     def lift(self, keypoints: np.ndarray) -> Poses:
+        """The mean pose for all keypoints [F,14,3]."""
         return Poses.of(np.repeat(self._pose[None], len(keypoints), 0))
 
 
 class NearestNeighbour:
     """The training pose of which one view has the nearest 2D distances, of the joints seen."""
 
-    def __init__(self, train: Motion):
+    def __init__(self, train: Motion) -> None:
         self._truth = cameras.look(train.joints, np.random.default_rng(SEED))
         self._points = cameras.project(self._truth)
 

@@ -117,6 +117,7 @@ def quality_figures(
 
 
 def percent(part: np.ndarray) -> float | str:
+    """Share of a mask that is true, %; empty for an empty mask."""
     return 100 * float(part.mean()) if len(part) else ""
 
 
@@ -193,6 +194,7 @@ def partial(library: Library, motion: Motion) -> str:
 
 
 def evaluate(library: Library, motion: Motion, manifest: dict[str, Any]) -> Tables:
+    """All tables of the page."""
     columns = views(motion.joints)
     figures = quality_figures(library, columns)
     return {

@@ -81,6 +81,7 @@ def adapt(library: Library, keypoints: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def read_street(library: Library) -> Clip:
+    """The clip of the street, which has no reference."""
     keypoints, world = read("street", SIZES["street"])
     unknown = np.full((len(world), 14, 3), np.nan)
     swapped = np.zeros(len(world), bool)
@@ -116,6 +117,7 @@ def put_right(joints: np.ndarray, swapped: np.ndarray) -> np.ndarray:
 
 
 def millimetres(errors: np.ndarray) -> float:
+    """Mean of errors in metres, NaN left out, mm."""
     return 1000 * float(np.nanmean(errors))
 
 

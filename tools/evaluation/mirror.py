@@ -44,10 +44,12 @@ class Choices:
     action: np.ndarray  # [F]
 
     def take(self, which: np.ndarray) -> "Choices":
+        """Some of the poses: a mask or indices."""
         return Choices(**{name: values[which] for name, values in vars(self).items()})
 
     @property
     def least(self) -> np.ndarray:
+        """Error of the better mirror image, [F] mm."""
         return np.minimum(self.error, self.mirrored)
 
 
@@ -105,6 +107,7 @@ def rules(c: Choices) -> dict[str, tuple[float, float]]:
 
 
 def rules_table(found: dict[str, Choices]) -> str:
+    """A row a rule: choices that are right, %, and the mean error, mm."""
     of = {name: rules(c) for name, c in found.items()}
     heads = [head for name in of for head in (f"{name}: %", "mm")]
     rows = {rule: [value for name in of for value in of[name][rule]] for rule in RULES}
@@ -147,6 +150,7 @@ def actions_table(found: dict[str, Choices], names: tuple[str, ...]) -> str:
 
 
 def evaluate(library: Library, motion: Motion) -> Tables:
+    """All tables of the page."""
     found = choices(library, motion)
     return {
         "mirror": rules_table(found),

@@ -116,6 +116,7 @@ def reproject(
 
 
 def report(rows: dict[str, dict[str, float]]) -> str:
+    """A row a source of the 2D, a column a part of the body."""
     columns = [*PARTS, "mean"]
     cells = {title: [f"{row[c]:.2f}" for c in columns] for title, row in rows.items()}
     return table("pixels", columns, cells)

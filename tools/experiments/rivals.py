@@ -192,6 +192,7 @@ class RivalRun(Run):
         return Rival(self.recipe, self.params, statistics)
 
     def describe(self) -> str:
+        """What a checkpoint must be of: also the motion."""
         return json.dumps({"recipe": super().describe(), "motion": self.motion.sha256})
 
 

@@ -43,6 +43,7 @@ def checked(layers: Iterable[tuple[Any, Any]]) -> list[Layer]:
 
 
 def shape(layers: Sequence[Layer]) -> str:
+    """The widths as text."""
     widths = [2 * len(layer.bias) for layer in layers[:-1]]
     text = "-".join(map(str, [PAIR_COUNT, *widths, PAIR_COUNT]))
     return f"{text}, equivariant to left and right"

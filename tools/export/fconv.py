@@ -125,6 +125,7 @@ def forward(layers: Sequence[Any], edms: np.ndarray, activate: Activate) -> list
 
 
 def forward_batch(layers: Sequence[Any], edms: np.ndarray, activate: Activate) -> list[np.ndarray]:
+    """forward() of as many EDMs as memory holds."""
     maps = np.zeros((len(edms), SIDE, SIDE, 1), edms.dtype)
     maps[:, PAIRS[0], PAIRS[1], 0] = edms
     values = [maps + maps.swapaxes(1, 2)]

@@ -47,6 +47,7 @@ def quantised_lines(
     form: str,
     plan: quantise.Plan,
 ) -> dict[str, str]:
+    """What the comment says of a quantised network: title -> text."""
     rms = calibration["rms"][form]
     bits = ", ".join("{} to {}".format(*quantise.weight_bits(dense)) for dense in network)
     return {
@@ -154,6 +155,7 @@ def in_comment(text: str) -> str:
 
 
 def parameter_count(layers: Iterable[Layer]) -> int:
+    """Weights and biases."""
     return sum(array.size for layer in layers for array in layer)
 
 
@@ -196,6 +198,7 @@ def hex_float(value: float) -> str:
 
 
 def table_text(packed: Sequence[Packed], model: str, form: str) -> str:
+    """The table of the layers."""
     rows = ""
     for k, layer in enumerate(packed):
         names = [f"{model}_{name}{k}" for name in layer.arrays]

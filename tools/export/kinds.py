@@ -16,6 +16,7 @@ from model.constants import PAIR_COUNT
 
 
 def dense_text(layers: Iterable[Layer]) -> str:
+    """The widths as text."""
     return "-".join(map(str, [PAIR_COUNT, *(len(layer.bias) for layer in layers)]))
 
 
@@ -25,6 +26,7 @@ def weight_count(layers: Iterable[Layer]) -> int:
 
 
 def fconv_text(layers: Sequence[Layer]) -> str:
+    """The channels as text."""
     both = zip(fconv.NAMES, layers, strict=True)
     return ", ".join(f"{name} {len(layer.bias)}" for name, layer in both)
 

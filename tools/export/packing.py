@@ -20,6 +20,7 @@ class Packed(NamedTuple):
 
 
 def groups_of(outputs: int) -> int:
+    """How many groups of rows hold the outputs."""
     return -(-outputs // GROUP)
 
 

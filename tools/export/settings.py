@@ -84,11 +84,13 @@ REQUIRED = tuple(
 
 
 def check_setting(name: str, good: bool, want: str) -> None:
+    """Raises ExportError unless the setting is good."""
     if not good:
         raise ExportError(f"manifest: {name} must be {want}")
 
 
 def is_integer(value: object, low: int, high: int) -> bool:
+    """An integer within these bounds, and no bool."""
     return isinstance(value, int) and not isinstance(value, bool) and low <= value <= high
 
 

@@ -44,7 +44,7 @@ class Views:
     """Projections [F,2] by name, in metres at the distance of the person, and in which of them [F]
     e may be what is seen: a single ear from its side, eyes and nose from the front."""
 
-    def __init__(self, motion: Motion, seed: int = SEED):
+    def __init__(self, motion: Motion, seed: int = SEED) -> None:
         rng = np.random.default_rng(seed)
         joints = motion.joints.astype(float)
         low = low_necks(joints, motion.subject)
@@ -68,6 +68,7 @@ class Views:
         self.head, self.neck = image[:, INDEX["head"]], image[:, INDEX["neck_base"]]
 
     def mean(self, *names: str) -> np.ndarray:
+        """The middle [F,2] of some points."""
         return np.mean([self.points[name] for name in names], 0)
 
 

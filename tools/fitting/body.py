@@ -209,6 +209,7 @@ class Constants:
 
 
 def fit(library: Library, motion: Motion) -> Constants:
+    """All constants."""
     rng = np.random.default_rng(SEED)
     ankle = ankle_height(motion)
     people = bodies(motion, ankle)
@@ -227,6 +228,7 @@ def fit(library: Library, motion: Motion) -> Constants:
 
 
 def report(found: Constants) -> str:
+    """The constants as text, by the file that holds them."""
     lines = [f"stand.h: ankle {found.ankle:.2f} m", "body.h: shares of the standing height"]
     lines += [f"  {kind} {share:.3f}" for kind, share in found.shares.items()]
     lines += [f"  bones of one person disagree by a factor of {found.disagreement:.2f} at most"]

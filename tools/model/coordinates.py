@@ -51,6 +51,7 @@ def init(widths: Sequence[int], mean: np.ndarray, normalised: bool, seed: int) -
 
 
 def count(params: Params) -> int:
+    """Parameters of all layers."""
     return sum(array.size for layer in params for array in layer)
 
 
@@ -60,12 +61,17 @@ class Pass:
     With a key, dropout follows each layer.  `used` are the statistics by which it normalised.
     """
 
-    def __init__(self, statistics: Statistics | None, key: jax.Array | None, dropout: float):
+    def __init__(
+        self, statistics: Statistics | None, key: jax.Array | None, dropout: float
+    ) -> None:
         self._given = iter(statistics) if statistics is not None else None
         self._key, self._dropout = key, dropout
         self.used: Statistics = []
 
-    def layer(self, x: jax.Array, weight, bias, *norm: jax.Array) -> jax.Array:
+    def layer(
+        self, x: jax.Array, weight: jax.Array, bias: jax.Array, *norm: jax.Array
+    ) -> jax.Array:
+        """One layer with its normalisation, ReLU and dropout."""
         x = x @ weight + bias
         if norm:
             mean, variance = next(self._given) if self._given else (x.mean(0), x.var(0))

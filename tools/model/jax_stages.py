@@ -121,7 +121,7 @@ def orient(points: jax.Array, keypoints: jax.Array) -> jax.Array:
     size = jnp.sqrt(spread * jnp.sum(image**2, (1, 2), keepdims=True))
     products = jnp.einsum("bni,bnk->bik", points, image) / size
 
-    def rows(ridge):
+    def rows(ridge: float | jax.Array) -> jax.Array:
         solution = jnp.linalg.solve(squares + ridge * jnp.eye(3), products)
         return nearest_axes(solution.transpose(0, 2, 1))
 

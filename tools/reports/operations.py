@@ -60,6 +60,7 @@ def count(motion: Motion) -> dict[str, Any]:
 
 
 def report(counts: dict[str, Any]) -> str:
+    """The table, and a sentence that says what was checked."""
     rows = {title: [f"{number:,}" for number in counts[kind]] for kind, title in KINDS.items()}
     verdict = (
         f"{counts['lifted']:,} lifts, {counts['overflows']} overflows, "

@@ -169,11 +169,13 @@ def to_table(head: list[str], rows: Iterable[Row]) -> str:
 
 
 def full_table(costs: list[Cost]) -> str:
+    """The table of docs/costs.md."""
     units = ["", "", *["bytes"] * (len(EXACT) - 2), *["instr."] * (len(COLUMNS) - len(EXACT))]
     return to_table(COLUMNS, [units, *(list(dataclasses.astuple(cost)) for cost in costs)])
 
 
 def fconv_table(costs: list[Cost]) -> str:
+    """The table of FConv."""
     units = ["", "", *["bytes"] * 4, *["instr."] * 2]
     rows = [[getattr(cost, name) for name in FCONV_COLUMNS] for cost in costs]
     return to_table(list(FCONV_COLUMNS), [units, *rows])
@@ -265,6 +267,7 @@ def check_fconv(measured: list[Cost]) -> None:
 
 
 def update(measured: list[Cost]) -> None:
+    """Writes the tables of both pages."""
     markdown.write(COSTS, "costs", full_table(measured))
     markdown.write(README, "size_report", readme_table(measured))
     markdown.write(README, "summary", summary_table(measured))

@@ -9,6 +9,7 @@ import re
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from data.paths import LIB, ROOT
 
@@ -82,7 +83,7 @@ def targets() -> dict[str, Target]:
 TARGETS = targets()
 
 
-def run(*command: object, **options) -> str:
+def run(*command: object, **options: Any) -> str:
     """Standard output of a command."""
     texts = [str(part) for part in command]
     try:

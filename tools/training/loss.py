@@ -118,6 +118,7 @@ def make_optimizer(recipe: Recipe, steps_per_epoch: int) -> optax.GradientTransf
 def predict_block(
     net: ModuleType, params: Params, keypoints: jax.Array, imputation: jax.Array | None
 ) -> jax.Array:
+    """Distances [B,91] of keypoints [B,14,3]."""
     return net.predict(params, jax_stages.edm_2d(keypoints, imputation))
 
 

@@ -1,4 +1,4 @@
-"""Fits the five weights of the mirror score (lib/mirror.inc) to network output."""
+"""Fits the five weights of the mirror score (lib/lift/mirror.h) to network output."""
 
 import numpy as np
 from scipy.optimize import minimize
@@ -15,7 +15,7 @@ def fit_mirror(points: np.ndarray, truth: np.ndarray) -> np.ndarray:
     upright = rigid_errors(points, truth).mean(1) < rigid_errors(points * [1, 1, -1], truth).mean(1)
     features = mirror_features(points) * np.where(upright, 1, -1)[:, None]
 
-    def loss(weights):
+    def loss(weights: np.ndarray) -> tuple[float, np.ndarray]:
         score = features @ weights
         probability = 1 / (1 + np.exp(np.clip(score, -50, 50)))
         gradient = -(features * probability[:, None]).mean(0)

@@ -35,6 +35,7 @@ class Recipe:
 
     @property
     def epochs(self) -> int:
+        """Of both phases."""
         return self.l2_epochs + self.mds_epochs
 
 

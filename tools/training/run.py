@@ -34,7 +34,7 @@ SAMPLE = 3000  # poses to validate on, about
 class Run:
     """Parameters, their average, and the optimizer, epoch by epoch."""
 
-    def __init__(self, motion: Motion, recipe: Recipe, seed: int):
+    def __init__(self, motion: Motion, recipe: Recipe, seed: int) -> None:
         self.motion, self.recipe, self.seed = motion, recipe, seed
         self.steps = len(motion.joints) // recipe.batch
         if self.steps == 0:
@@ -62,10 +62,12 @@ class Run:
 
     @property
     def network(self) -> ModuleType:
+        """The module of the network."""
         return NETWORKS[self.recipe.network]
 
     @property
     def epochs(self) -> int:
+        """Of both phases."""
         return self.recipe.epochs
 
     @property
@@ -89,6 +91,7 @@ class Run:
         return float(loss)
 
     def save_state(self, path: Path) -> None:
+        """Writes a checkpoint, whole or not at all."""
         leaves = jax.tree.leaves(self.carry)
         temporary = path.with_suffix(".tmp")
         about = {"epoch": self.epoch, "curve": json.dumps(self.curve), "recipe": self.describe()}
@@ -97,6 +100,7 @@ class Run:
         temporary.replace(path)
 
     def load_state(self, path: Path) -> None:
+        """Goes on from a checkpoint; ValueError if it is of another recipe or seed."""
         with np.load(path) as state:
             if str(state["recipe"]) != self.describe():
                 raise ValueError(f"{path}: of another recipe or seed; remove it to start anew")
@@ -106,6 +110,7 @@ class Run:
             self.curve = {int(epoch): row for epoch, row in json.loads(str(state["curve"])).items()}
 
     def describe(self) -> str:
+        """What a checkpoint must be of."""
         return json.dumps({"seed": self.seed, **dataclasses.asdict(self.recipe)})
 
 
