@@ -29,21 +29,22 @@ LEVEL = "-Os"
 SLACK = 0.03  # of instructions
 VARIANTS = {
     "f32": ["-DMODEL=edml_fconn_f32"],
-    "q15": ["-DMODEL=edml_fconn_q15"],
-    "q7": ["-DMODEL=edml_fconn_q7"],
-    "fixed": ["-DMODEL=edml_fconn_q15", "-DFIXED"],
+    "w16": ["-DMODEL=edml_fconn_w16"],
+    "w8": ["-DMODEL=edml_fconn_w8"],
+    "fixed": ["-DMODEL=edml_fconn_w16", "-DFIXED"],
 }
 FCONV = {  # a table of its own: a lift is 20 million instructions and more
     ("cortex-m4f", "f32"): ["-DMODEL=edml_fconv_f32", "-DFCONV"],
-    ("cortex-m4f", "q7"): ["-DMODEL=edml_fconv_q7", "-DFCONV"],
-    ("cortex-m3", "fixed q7"): ["-DMODEL=edml_fconv_q7", "-DFCONV", "-DFIXED"],
+    ("cortex-m4f", "w8"): ["-DMODEL=edml_fconv_w8", "-DFCONV"],
+    ("cortex-m3", "fixed w8"): ["-DMODEL=edml_fconv_w8", "-DFCONV", "-DFIXED"],
 }
 FCONV_COLUMNS = ("core", "variant", "code", "weights", "work", "stack", "net", "lift")
-SUMMARY = [  # core, variant, its name, its errors in the model's manifest
-    ("Cortex-M4F", "f32", "float", "metrics"),
-    ("Cortex-M4F", "q15", "float, 16-bit network", "metrics_q15"),
-    ("Cortex-M3", "fixed", "fixed point", "metrics_q15"),
-    ("Cortex-M0+", "fixed", "fixed point", "metrics_q15"),
+SUMMARY = [  # the chip; core and variant of the figures; call; model; its errors in the manifest
+    ("FPU, such as Cortex-M4F, M7, M33, M55", "Cortex-M4F", "w16", "lift", "fconn_w16", "metrics_w16"),
+    ("FPU, little flash", "Cortex-M4F", "w8", "lift", "fconn_w8", "metrics_w8"),
+    ("FPU, float weights wanted", "Cortex-M4F", "f32", "lift", "fconn_f32", "metrics"),
+    ("no FPU, such as Cortex-M3", "Cortex-M3", "fixed", "lift_q", "fconn_w16", "metrics_w16"),
+    ("no FPU, small: Cortex-M0+", "Cortex-M0+", "fixed", "lift_q", "fconn_w16", "metrics_w16"),
 ]
 
 
@@ -175,7 +176,7 @@ def parse(text: str) -> list[Cost]:
     ]
 
 
-def readme_table(costs: list[Cost]) -> str:
+def short_table(costs: list[Cost]) -> str:
     """A row a core: code, and thousands of instructions a lift, of each variant; then memory."""
     of = {(cost.core, cost.variant): cost for cost in costs}
     head, units = [""], [""]
@@ -201,16 +202,19 @@ def summary_table(costs: list[Cost]) -> str:
     of = {(cost.core, cost.variant): cost for cost in costs}
     manifest = json.loads((ROOT / "gen" / "fconn.json").read_text("utf-8"))
     rows: list[list[str | int]] = []
-    for core, variant, name, key in SUMMARY:
+    for chip, core, variant, call, model, key in SUMMARY:
         cost, metrics = of[core, variant], manifest.get(key, {})
         rows.append([
-            f"{core}, {name}",
-            f"{cost.code:,} bytes + {cost.weights:,} of weights",
-            f"{cost.work:,} bytes + {cost.stack} of stack",
-            f"{cost.lift:,} instructions",
+            chip, f"`edml_{call}`", f"`edml_{model}`",
+            f"{cost.code:,} + {cost.weights:,} of weights",
+            f"{cost.work:,} + {cost.stack} of stack",
+            f"{cost.lift:,}",
             *(f"{metrics[view]} mm" if metrics else "" for view in ("gt", "cpm", "rand2")),
         ])  # fmt: skip
-    head = ["", "flash", "RAM", "a lift", "error, exact 2D", "detector's 2D", "two joints missing"]
+    head = [
+        "your chip", "call", "model", "flash, bytes", "RAM, bytes", "instructions a lift",
+        "error, exact 2D", "a detector's 2D", "two joints missing",
+    ]  # fmt: skip
     return markdown(head, rows)
 
 
@@ -231,12 +235,12 @@ def compare(written: list[Cost], measured: list[Cost]) -> None:
 
 
 def check(measured: list[Cost]) -> None:
-    """Compares the tables: the full one with what was measured, the README's with the full one."""
+    """Compares the tables: the full one with what was measured, the others with the full one."""
     written = parse(marks.read(COSTS, "costs"))
     compare(written, measured)
-    for name, table in (("size_report", readme_table), ("summary", summary_table)):
-        if marks.read(README, name).strip() != table(written):
-            raise Disagreement(f"README.md, {name}: not that of docs/costs.md")
+    for page, name, table in ((COSTS, "size_report", short_table), (README, "summary", summary_table)):
+        if marks.read(page, name).strip() != table(written):
+            raise Disagreement(f"{page.name}, {name}: not that of docs/costs.md, costs")
 
 
 def check_fconv(measured: list[Cost]) -> None:
@@ -252,7 +256,7 @@ def check_fconv(measured: list[Cost]) -> None:
 
 def update(measured: list[Cost]) -> None:
     marks.write(COSTS, "costs", full_table(measured))
-    marks.write(README, "size_report", readme_table(measured))
+    marks.write(COSTS, "size_report", short_table(measured))
     marks.write(README, "summary", summary_table(measured))
 
 
