@@ -104,8 +104,7 @@ const char *edml_status_name(edml_status status); /* "too_few_joints"; "?" when 
 
 /* ---- Models ------------------------------------------------------------------------------------- */
 
-/* A trained network and the settings that were measured with it: constant data in flash.  A program links
- * only the models that it names. */
+/* A trained network and its measured settings, constant in flash.  A program links the models it names. */
 typedef struct edml_model edml_model;
 
 /* FConn (section 3.2), equivariant to left and right: 91-192-192-91 units from 36,817 weights, in float32
@@ -143,10 +142,7 @@ typedef struct {
     } scratch;
 } edml_work;
 
-typedef struct { /* of a lift with FConv: 19 KB */
-    edml_work lift;
-    float more_scratch[3844];
-} edml_fconv_work;
+typedef struct { edml_work lift; float more_scratch[3844]; } edml_fconv_work; /* with FConv: 19 KB */
 
 /* Lifts one person.
  *   in          14 keypoints

@@ -1,21 +1,26 @@
-# Set-up that tools/demo and tools/check share.  To be sourced, by bash, under `set -euo pipefail`:
-# it goes to the root of the repository and defines
+# Set-up that tools/demo, tools/check and others share.  To be sourced, by bash 3.2 or later, under
+# `set -euo pipefail`: it goes to the root of the repository and defines
 #
 #   step TEXT LOG COMMAND...           one line of output; what the command prints is in build/log
-#   need_packages [COMMAND:PACKAGE]... compiler, CMake, Ninja or Make, Python with venv, and what
-#                                      else is named: installs what is missing, or says its name
-#   firmware_packages                  such pairs, for tools/firmware.py
-#   make_venv                          build/venv as tools/requirements.txt has it
+#   need_packages [cmake] [COMMAND:PACKAGE]...
+#                                      compiler, Python with venv, with `cmake` also that and Ninja or Make,
+#                                      and the commands named: installs what is missing, or says its name
+#   firmware_packages                  such pairs, for tools/reports/targets.py
+#   make_venv [NAME]                   build/venv by tools/requirements.txt; with a NAME build/venv-NAME
+#                                      by tools/requirements-NAME.txt.  Sets `venv`
 #   configure FOLDER [OPTION]...       cmake with Ninja where there is one
 #
-# PYTHON chooses another interpreter than the first fit one on the path.
+# PYTHON names another interpreter than the first suitable one on the path.
 
 # shellcheck shell=bash
 cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit
 root=$PWD
 logs=build/log
 venv=build/venv
-mkdir -p "$logs"
+if ! mkdir -p "$logs" 2>/dev/null; then
+    echo "Cannot write into $root/build: copy the repository to a folder of your own." >&2
+    exit 1
+fi
 
 has() { command -v "$1" >/dev/null 2>&1; }
 
@@ -58,12 +63,15 @@ find_python() { # prints the first one that is 3.11 or later and can make enviro
 
 missing_packages() { # prints Debian's names, those of COMMAND:PACKAGE arguments included
     has_compiler || echo gcc libc6-dev
-    has_cmake || echo cmake
-    has ninja || has make || echo ninja-build
     find_python >/dev/null || echo python3 python3-venv
     local pair
     for pair in "$@"; do
-        has "${pair%%:*}" || echo "${pair#*:}"
+        if [ "$pair" = cmake ]; then
+            has_cmake || echo cmake
+            has ninja || has make || echo ninja-build
+        else
+            has "${pair%%:*}" || echo "${pair#*:}"
+        fi
     done
 }
 
@@ -72,9 +80,15 @@ as_root() {
 }
 
 apt_install() {
-    as_root apt-get update -q &&
-        as_root env DEBIAN_FRONTEND=noninteractive \
-            apt-get install -q -y --no-install-recommends "$@"
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "$@"
+}
+
+# What apt-get would install: "31 packages, 120 MB".
+apt_size() {
+    apt-get install -s -q --no-install-recommends "$@" 2>/dev/null | grep -c '^Inst' | tr '\n' ' '
+    printf 'packages, '
+    apt-get install --assume-no -q --no-install-recommends "$@" 2>/dev/null |
+        sed -n 's/^After this operation, \(.*\) of additional disk space.*/\1/p'
 }
 
 need_packages() {
@@ -83,13 +97,17 @@ need_packages() {
     [ -n "$packages" ] || return 0
     if has apt-get && as_root true 2>/dev/null; then
         # shellcheck disable=SC2086 # one word a package
-        step "Installing $packages" packages apt_install $packages || return 1
+        {
+            step "Reading Debian's package lists" apt-update as_root apt-get update -q || return 1
+            printf 'Missing: %s\n         (%s)\n' "$packages" "$(apt_size $packages)"
+            step "Installing them" packages apt_install $packages || return 1
+        }
         packages=$(missing_packages "$@" | xargs)
         [ -n "$packages" ] || return 0
     fi
     {
         echo "Please install (Debian's names): $packages"
-        echo "Needed: a C compiler, CMake 3.16, Ninja or Make, and Python 3.11 with venv, or later."
+        echo "Needed: a C compiler, Python 3.11 with venv, where asked for CMake 3.16, or later ones."
     } >&2
     return 1
 }
@@ -107,9 +125,13 @@ firmware_packages=(
 
 make_venv() {
     # The copy says what was installed, and is written last.
-    local wanted=tools/requirements.txt installed=$venv/requirements.txt
-    "$venv/bin/python" -c '' 2>/dev/null && cmp -s "$wanted" "$installed" && return
-    step "Python packages into $venv" venv install_python "$wanted" && cp "$wanted" "$installed"
+    local suffix=${1:+-$1} wanted
+    wanted=tools/requirements$suffix.txt
+    venv=build/venv$suffix
+    "$venv/bin/python" -c '' 2>/dev/null && cmp -s "$wanted" "$venv/requirements.txt" && return
+    sed -n '1s/^# //p' "$wanted"
+    step "Python packages into $venv" "venv$suffix" install_python "$wanted" &&
+        cp "$wanted" "$venv/requirements.txt"
 }
 
 install_python() {
@@ -122,5 +144,5 @@ configure() {
     shift
     # A folder keeps the generator that it was made with.
     if has ninja && [ ! -f "$folder/CMakeCache.txt" ]; then generator=(-G Ninja); fi
-    cmake -S . -B "$folder" "${generator[@]}" "$@"
+    cmake -S . -B "$folder" ${generator[@]+"${generator[@]}"} "$@" # bash 3.2: an empty array is unset
 }

@@ -26,9 +26,6 @@ typedef edml_work work_memory;
 
 static float pixels(int32_t hundredths) { return (float)hundredths / 100.0F; }
 static float confidence(int32_t seen) { return seen ? 1.0F : 0.0F; }
-static int thousandths(float number)
-{
-    return (int)(number * 1000.0F + (number < 0.0F ? -0.5F : 0.5F));
-}
+static int thousandths(float number) { return (int)(number * 1000.0F + (number < 0.0F ? -0.5F : 0.5F)); }
 
 #endif

@@ -32,8 +32,8 @@ static void print(int index, edml_status status, const pose *lifted)
     if (status == EDML_OK) {
         printf(",%d,%d", thousandths(lifted->mirror_margin), thousandths(lifted->residual));
         for (int j = 0; j < EDML_JOINTS; j++)
-            printf(",%d,%d,%d", thousandths(lifted->joint[j].x),
-                   thousandths(lifted->joint[j].y), thousandths(lifted->joint[j].z));
+            printf(",%d,%d,%d", thousandths(lifted->joint[j].x), thousandths(lifted->joint[j].y),
+                   thousandths(lifted->joint[j].z));
     }
     printf("\n");
 }

@@ -46,13 +46,12 @@ static const char *read_csv(edml_keypoint in[], double *time, const char *line, 
         return wrong;
     }
     if (count != 2 * keypoints && count != 3 * keypoints) {
-        snprintf(wrong, sizeof wrong, "%d numbers, but %s has %d or %d", count, name_of(set),
-                 2 * keypoints, 3 * keypoints);
+        snprintf(wrong, sizeof wrong, "%d numbers, but %s has %d or %d", count, name_of(set), 2 * keypoints,
+                 3 * keypoints);
         return wrong;
     }
     const int each = count / keypoints;
-    for (int n = 0; n < keypoints; n++)
-        in[n] = keypoint_of(numbers + n * each, each, set->threshold);
+    for (int n = 0; n < keypoints; n++) in[n] = keypoint_of(numbers + n * each, each, set->threshold);
     return NULL;
 }
 

@@ -36,10 +36,7 @@ static edml_point point_of(edml_point_q p)
     return q;
 }
 
-static int32_t to_fixed(float value)
-{
-    return saturate(65536.0 * (double)value, INT32_MIN, INT32_MAX);
-}
+static int32_t to_fixed(float value) { return saturate(65536.0 * (double)value, INT32_MIN, INT32_MAX); }
 
 static void place_fixed(answer *out, const edml_pose_q *pose, const edml_keypoint_q in[],
                         const options *set, void *work, size_t work_bytes)
@@ -48,10 +45,10 @@ static void place_fixed(answer *out, const edml_pose_q *pose, const edml_keypoin
                             to_fixed(set->camera.cy)};
     edml_placement_q placed;
     edml_placement placement;
-    const edml_status status =
-        set->sweep ? edml_place_sweep_q(&placed, &camera, pose, in, to_fixed(set->width),
-                                        to_fixed(set->height), work, work_bytes)
-                   : edml_place_q(&placed, pose, in, &camera, work, work_bytes);
+    const edml_status status = set->sweep
+                                   ? edml_place_sweep_q(&placed, &camera, pose, in, to_fixed(set->width),
+                                                        to_fixed(set->height), work, work_bytes)
+                                   : edml_place_q(&placed, pose, in, &camera, work, work_bytes);
     if (status == EDML_OK) {
         for (int j = 0; j < EDML_JOINTS; j++) placement.joint[j] = point_of(placed.joint[j]);
         placement.translation = point_of(placed.translation);

@@ -9,10 +9,7 @@
 
 static int is_digit(char c) { return c >= '0' && c <= '9'; }
 
-static int is_hex(char c)
-{
-    return is_digit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
-}
+static int is_hex(char c) { return is_digit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
 
 const char *json_skip(const char *p)
 {
@@ -37,7 +34,7 @@ static const char *skip_number(const char *p)
     return skip_digits(*p == '+' || *p == '-' ? p + 1 : p);
 }
 
-/* Behind the backslash. */
+/* An escape, from behind the backslash. */
 static const char *skip_escape(const char *p)
 {
     if (*p == '\0') return NULL;
@@ -47,7 +44,7 @@ static const char *skip_escape(const char *p)
     return p + 5;
 }
 
-/* A character of UTF-8: none longer than it need be, no surrogate, none beyond U+10FFFF. */
+/* A character of UTF-8: in its shortest form, no surrogate, at most U+10FFFF. */
 static const char *skip_character(const char *p)
 {
     const unsigned char first = (unsigned char)p[0];
@@ -58,11 +55,11 @@ static const char *skip_character(const char *p)
     if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F)) return NULL;
     if ((first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F)) return NULL;
     for (int n = 1; n <= more; n++)
-        if (((unsigned char)p[n] & 0xC0) != 0x80) return NULL; /* the zero byte, too */
+        if (((unsigned char)p[n] & 0xC0) != 0x80) return NULL; /* also the zero byte */
     return p + more + 1;
 }
 
-/* Behind the quotation mark. */
+/* A string, from behind its quotation mark. */
 static const char *skip_string(const char *p)
 {
     while (p != NULL && *p != '"') p = *p == '\\' ? skip_escape(p + 1) : skip_character(p);
@@ -75,7 +72,7 @@ static const char *skip_word(const char *p, const char *word)
     return strncmp(p, word, length) == 0 ? p + length : NULL;
 }
 
-/* A name and its colon, to the value. */
+/* Skips a name and its colon, up to the value. */
 static const char *skip_name(const char *p)
 {
     if (*p != '"' || (p = skip_string(p + 1)) == NULL) return NULL;
@@ -83,7 +80,7 @@ static const char *skip_name(const char *p)
     return *p == ':' ? json_skip(p + 1) : NULL;
 }
 
-/* Array or object, from its bracket on. */
+/* An array or object, from its bracket on. */
 static const char *skip_nested(const char *p, int depth)
 {
     const char close = *p == '{' ? '}' : ']';
@@ -104,12 +101,18 @@ const char *json_value(const char *p, int depth)
 {
     switch (*p) {
     case '{':
-    case '[': return skip_nested(p, depth);
-    case '"': return skip_string(p + 1);
-    case 't': return skip_word(p, "true");
-    case 'f': return skip_word(p, "false");
-    case 'n': return skip_word(p, "null");
-    default: return skip_number(p);
+    case '[':
+        return skip_nested(p, depth);
+    case '"':
+        return skip_string(p + 1);
+    case 't':
+        return skip_word(p, "true");
+    case 'f':
+        return skip_word(p, "false");
+    case 'n':
+        return skip_word(p, "null");
+    default:
+        return skip_number(p);
     }
 }
 

@@ -9,20 +9,20 @@
 #include "json.h"
 #include "lift_stdin.h"
 
-#define MOST_SECONDS 1e12 /* beyond, a double does not tell milliseconds apart */
+#define MOST_SECONDS 1e12 /* above, a double cannot tell milliseconds apart */
 
-/* Is that the name of the member at p?  Names spelled with escapes are others. */
+/* Is this the name of the member at p?  A name with escapes never is. */
 static int is_named(const char *p, const char *name)
 {
     const size_t length = strlen(name);
     return strncmp(p + 1, name, length) == 0 && p[1 + length] == '"';
 }
 
-/* A member of the object that the answer has, too; or NULL. */
+/* A member of the object that the answer would repeat; or NULL. */
 static const char *name_of_answer(const char *object, const options *set)
 {
-    static const char *const names[] = {"status", "joints", "mirror_margin", "residual", "quality",
-                                        "placement", "root", "reprojection", "focal"};
+    static const char *const names[] = {"status",    "joints", "mirror_margin", "residual", "quality",
+                                        "placement", "root",   "reprojection",  "focal"};
     enum { ALWAYS = 4, QUALITY = 4, NAMES = 9 };
     for (const char *p = json_first(object); p != NULL; p = json_next(json_value_of(p)))
         for (int n = 0; n < NAMES; n++)
@@ -51,7 +51,7 @@ static const char *find_keypoints(const char *object, const char **wrong)
     return found;
 }
 
-/* null, [null, null], [x, y] or [x, y, c]; 0 if it is none of them. */
+/* Reads null, [null, null], [x, y] or [x, y, c]; returns 0 for anything else. */
 static int read_keypoint(edml_keypoint *keypoint, const char *p, float threshold)
 {
     float numbers[3] = {0, 0, 0};
@@ -62,7 +62,7 @@ static int read_keypoint(edml_keypoint *keypoint, const char *p, float threshold
     for (p = json_first(p); p != NULL; p = json_next(p), count++) {
         if (count == 3 || (*p != 'n' && *p != '-' && (*p < '0' || *p > '9'))) return 0;
         if (*p == 'n')
-            nulls += count < 2 ? 1 : 4; /* x and y may be null, both of them */
+            nulls += count < 2 ? 1 : 4; /* x and y may be null, but only both */
         else
             numbers[count] = strtof(p, NULL);
     }
@@ -71,7 +71,7 @@ static int read_keypoint(edml_keypoint *keypoint, const char *p, float threshold
     return 1;
 }
 
-/* The member t of the object, seconds; or what is wrong. */
+/* Reads the member t of the object, seconds; returns NULL or what is wrong. */
 static const char *read_time(double *time, const char *object)
 {
     *time = -1;
@@ -86,8 +86,7 @@ static const char *read_time(double *time, const char *object)
     return *time < 0 ? "has no t" : NULL;
 }
 
-static const char *read_jsonl(edml_keypoint in[], double *time, const char *line,
-                              const options *set)
+static const char *read_jsonl(edml_keypoint in[], double *time, const char *line, const options *set)
 {
     static char wrong[128];
     const char *why = NULL;
@@ -110,8 +109,7 @@ static const char *read_jsonl(edml_keypoint in[], double *time, const char *line
         return wrong;
     }
     if (count == keypoints_of(set)) return NULL;
-    snprintf(wrong, sizeof wrong, "%d keypoints, but %s has %d", count, name_of(set),
-             keypoints_of(set));
+    snprintf(wrong, sizeof wrong, "%d keypoints, but %s has %d", count, name_of(set), keypoints_of(set));
     return wrong;
 }
 
@@ -122,27 +120,26 @@ static void write_placement(const answer *out, int lifted)
     else
         fputs(",\"placement\":null", stdout);
     if (lifted && strcmp(out->placed, "ok") == 0)
-        printf(",\"root\":[%.6g,%.6g,%.6g],\"reprojection\":%.6g,\"focal\":%.6g",
-               (double)out->root.x, (double)out->root.y, (double)out->root.z,
-               (double)out->reprojection, (double)out->focal);
+        printf(",\"root\":[%.6g,%.6g,%.6g],\"reprojection\":%.6g,\"focal\":%.6g", (double)out->root.x,
+               (double)out->root.y, (double)out->root.z, (double)out->reprojection, (double)out->focal);
     else
         fputs(",\"root\":null,\"reprojection\":null,\"focal\":null", stdout);
 }
 
-/* The object that was read, with the answer behind its members; of what is none, the answer alone. */
+/* Writes the object that was read, with the answer behind its members; the answer alone if the line was no
+ * object. */
 static void write_jsonl(const char *line, const answer *out, const options *set)
 {
     const int lifted = strcmp(out->status, "ok") == 0;
     if (line != NULL && is_object(line) && name_of_answer(line, set) == NULL)
-        printf(json_first(line) != NULL ? "%.*s," : "%.*s",
-               (int)(json_value(line, JSON_DEPTH) - 1 - line), line);
+        printf(json_first(line) != NULL ? "%.*s," : "%.*s", (int)(json_value(line, JSON_DEPTH) - 1 - line),
+               line);
     else
         putchar('{');
     printf("\"status\":\"%s\"", out->status);
     for (int j = 0; j < EDML_JOINTS && lifted; j++)
-        printf("%s[%.6g,%.6g,%.6g]", j == 0 ? ",\"joints\":[" : ",",
-               (double)out->pose.joint[j].x, (double)out->pose.joint[j].y,
-               (double)out->pose.joint[j].z);
+        printf("%s[%.6g,%.6g,%.6g]", j == 0 ? ",\"joints\":[" : ",", (double)out->pose.joint[j].x,
+               (double)out->pose.joint[j].y, (double)out->pose.joint[j].z);
     if (lifted)
         printf("],\"mirror_margin\":%.6g,\"residual\":%.6g", (double)out->pose.mirror_margin,
                (double)out->pose.residual);

@@ -19,7 +19,7 @@ enum { KEYPOINTS_MAX = 255 }; /* of a format */
 typedef struct {
     const edml_model *model;
     const edml_format *format; /* NULL: the joints of edml_lift() themselves */
-    float threshold;           /* a confidence up to this is none */
+    float threshold;           /* a keypoint with a confidence up to this was not seen */
     float width, height;       /* pixels, for a normalised format */
     float focal;               /* pixels; 0: not given */
     edml_camera camera;        /* fx 0: none */
@@ -27,26 +27,26 @@ typedef struct {
     int track;                 /* the lines are a video ... */
     float fps;                 /* ... of so many frames a second; 0: the lines have their times */
     edml_body body;            /* height 0: not given */
-    int quality;               /* tell it */
+    int quality;               /* print it */
     int header, json, fixed;
 } options;
 
 /* The answer to a line. */
 typedef struct {
-    const char *status;        /* nothing follows any but "ok" */
-    edml_pose pose;            /* rotated as it was placed, if it was */
+    const char *status; /* nothing follows any but "ok" */
+    edml_pose pose;     /* rotated as it was placed, if it was */
     float quality;
     const char *placed;        /* nothing follows any but "ok" */
     edml_point root;           /* mid-hip before the camera, metres */
     float reprojection, focal; /* pixels */
 } answer;
 
-/* Ends the program after an option that only prints, or that is wrong. */
+/* Ends the program if an option only prints or is wrong. */
 options read_options(char **argv);
 
 static inline int places(const options *set) { return set->camera.fx > 0 || set->sweep; }
 
-/* Keypoints on a line. */
+/* The number of keypoints on a line. */
 static inline int keypoints_of(const options *set)
 {
     return set->format != NULL ? set->format->keypoints : EDML_JOINTS;
@@ -72,7 +72,7 @@ void print_csv_header(const options *set);
 /* Lifts, sizes and places in integers; a coordinate that they cannot hold is not finite. */
 edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set);
 
-/* Takes a placement, or none, for the answer. */
+/* Puts a placement, or the reason for none, into the answer. */
 void take_placement(answer *out, edml_status status, const edml_placement *placement, float focal);
 
 /* A detection: x, y and perhaps c. */

@@ -59,14 +59,14 @@ static void place(answer *out, const edml_keypoint joints[EDML_JOINTS], const op
 {
     edml_placement placement;
     edml_camera camera = set->camera;
-    const edml_status status =
-        set->sweep ? edml_place_sweep(&placement, &camera, &out->pose, joints, set->width,
-                                      set->height, &work, sizeof work)
-                   : edml_place(&placement, &out->pose, joints, &camera, &work, sizeof work);
+    const edml_status status = set->sweep ? edml_place_sweep(&placement, &camera, &out->pose, joints,
+                                                             set->width, set->height, &work, sizeof work)
+                                          : edml_place(&placement, &out->pose, joints, &camera, &work,
+                                                       sizeof work);
     take_placement(out, status, &placement, camera.fx);
 }
 
-/* The lines that are a video, so far. */
+/* The video so far. */
 typedef struct {
     edml_track track;
     unsigned long frame;
@@ -89,7 +89,8 @@ static const char *to_pixels(edml_keypoint in[], const options *set)
     if (set->format == NULL || !set->format->normalised) return NULL;
     for (int n = 0; n < keypoints_of(set); n++) {
         if (in[n].c > 0 && (fabsf(in[n].x) > MAX_NORMALISED || fabsf(in[n].y) > MAX_NORMALISED))
-            return "keypoints of this format are normalised, 0 to 1 within the image; these look like pixels";
+            return "keypoints of this format are normalised, 0 to 1 within the image; these look like "
+                   "pixels";
         in[n].x *= set->width;
         in[n].y *= set->height;
     }
@@ -104,7 +105,7 @@ static edml_status lift(answer *out, const edml_keypoint in[], video *before, co
     const edml_keypoint *seen = set->format != NULL ? joints : in;
     edml_status status = lift_frame(&out->pose, seen, before, set);
     if (status != EDML_OK) return status;
-    if (set->track) { /* what it was lifted from */
+    if (set->track) { /* the keypoints that it was lifted from */
         if (seen != joints) memcpy(joints, seen, sizeof joints);
         edml_track_swap_sides(joints, &before->track);
         seen = joints;
@@ -115,7 +116,7 @@ static edml_status lift(answer *out, const edml_keypoint in[], video *before, co
     return status;
 }
 
-/* Poses that were refused: how many, and the first one's line and status. */
+/* How many poses were refused, and the first one's line and status. */
 typedef struct {
     unsigned long count, line;
     const char *status;
@@ -159,13 +160,12 @@ static unsigned long lift_lines(const line_format *lines, const options *set)
     before.frame = 0;
     before.time = 0;
     snprintf(too_long, sizeof too_long, "longer than %d bytes", lines->longest);
-    while (!ferror(stdout) &&
-           (result = read_line(buffer, (size_t)lines->longest, &length)) != LINE_END) {
+    while (!ferror(stdout) && (result = read_line(buffer, (size_t)lines->longest, &length)) != LINE_END) {
         const int mark = ++number == 1 && strncmp(buffer, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0; /* BOM */
         const char *line = buffer + mark + strspn(buffer + mark, " \t\r");
         if (*line == '#' || line == buffer + length) continue;
         const int whole = result == LINE_READ && strlen(buffer) == length;
-        const char *wrong = whole                     ? lift_line(lines, line, number, &before, set, &refused)
+        const char *wrong = whole ? lift_line(lines, line, number, &before, set, &refused)
                             : result == LINE_TOO_LONG ? too_long
                                                       : "holds a zero byte";
         before.frame++;

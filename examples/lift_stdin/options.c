@@ -9,8 +9,8 @@
 
 #include "lift_stdin.h"
 
-static const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8, &edml_fconv_f32,
-                                           &edml_fconv_w8};
+static const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8,
+                                           &edml_fconv_f32, &edml_fconv_w8};
 enum { MODELS = (int)(sizeof models / sizeof models[0]), FIRST_QUANTISED = 1 };
 
 static const char usage[] =
@@ -136,7 +136,7 @@ static void set_image(options *set, const char *text)
     exit(EXIT_TROUBLE);
 }
 
-/* Numbers separated by commas, as many as wanted; 0 if the text is anything else. */
+/* Reads `count` numbers separated by commas; returns 0 if the text is anything else. */
 static int read_list(float *numbers, int count, const char *text)
 {
     for (int n = 0; n < count; n++) {
@@ -181,29 +181,24 @@ static void set_track(options *set, const char *text)
 
 static void set_height(options *set, const char *text)
 {
-    edml_pose zero = {{{0, 0, 0}}, 0, 0, 0}; /* edml_fit_body() fails later with it than with a bad height */
+    edml_pose zero = {
+        {{0, 0, 0}}, 0, 0, 0}; /* edml_fit_body() fails later with it than with a bad height */
     const int read = read_list(&set->body.height, 1, text);
-    if (read && set->body.height > 0 && edml_fit_body(&zero, &set->body) != EDML_ERR_BODY)
-        return;
+    if (read && set->body.height > 0 && edml_fit_body(&zero, &set->body) != EDML_ERR_BODY) return;
     fprintf(stderr, "lift_stdin: --height must be a person's, 0.5 to 2.5 metres, not '%s'\n", text);
     exit(EXIT_TROUBLE);
 }
 
-/* An option with a value; 0 if it is none. */
+/* Takes an option that has a value; returns 0 if it is another one. */
 static int set_value(options *set, char **argv, int *i)
 {
     static const struct {
         const char *name;
         void (*set)(options *set, const char *value);
     } settings[] = {
-        {"--model", set_model},
-        {"--format", set_format},
-        {"--threshold", set_threshold},
-        {"--image", set_image},
-        {"--camera", set_camera},
-        {"--focal", set_focal},
-        {"--track", set_track},
-        {"--height", set_height},
+        {"--model", set_model}, {"--format", set_format}, {"--threshold", set_threshold},
+        {"--image", set_image}, {"--camera", set_camera}, {"--focal", set_focal},
+        {"--track", set_track}, {"--height", set_height},
     };
     for (unsigned n = 0; n < sizeof settings / sizeof *settings; n++) {
         const char *value = option_value(settings[n].name, argv, i);
@@ -214,7 +209,7 @@ static int set_value(options *set, char **argv, int *i)
     return 0;
 }
 
-/* An option that only prints ends the program. */
+/* Ends the program after an option that only prints. */
 static void print_and_exit(const char *option)
 {
     if (strcmp(option, "--list-models") == 0)
@@ -231,7 +226,7 @@ static void print_and_exit(const char *option)
     exit(EXIT_OK);
 }
 
-/* The camera of a focal length and an image. */
+/* Makes the camera of a focal length and an image size. */
 static void finish_camera(options *set)
 {
     if (set->focal == 0 && !set->sweep) return;

@@ -15,8 +15,8 @@ static inline int is_within_reach(api_real a) { return a < TO_API(POSE_REACH) &&
 static inline int is_pose(const edml_pose *pose)
 {
     for (int j = 0; j < EDML_JOINTS; j++) {
-        const edml_point p = pose->joint[j];
-        if (!is_within_reach(p.x) || !is_within_reach(p.y) || !is_within_reach(p.z)) return 0;
+        const edml_point *p = &pose->joint[j];
+        if (!is_within_reach(p->x) || !is_within_reach(p->y) || !is_within_reach(p->z)) return 0;
     }
     return 1;
 }
@@ -24,8 +24,8 @@ static inline int is_pose(const edml_pose *pose)
 /* A joint of the pose, metres. */
 static inline point pose_joint(const edml_pose *pose, int j)
 {
-    const edml_point p = pose->joint[j];
-    const point q = {FROM_API(p.x), FROM_API(p.y), FROM_API(p.z)};
+    const edml_point *p = &pose->joint[j];
+    const point q = {FROM_API(p->x), FROM_API(p->y), FROM_API(p->z)};
     return q;
 }
 

@@ -33,7 +33,7 @@ static matrix3 transpose(const matrix3 *r)
 static matrix3 compose(const matrix3 *second, const matrix3 *first)
 {
     const matrix3 both = {rotate_back(first, second->x), rotate_back(first, second->y),
-                       rotate_back(first, second->z)};
+                          rotate_back(first, second->z)};
     return both;
 }
 
@@ -46,8 +46,8 @@ static matrix3 quaternion_rotation(real w, point v)
     const real xy = MUL(a.x, v.y), xz = MUL(a.x, v.z), yz = MUL(a.y, v.z);
     const real wx = MUL(a.x, w), wy = MUL(a.y, w), wz = MUL(a.z, w);
     const matrix3 r = {{REAL(1.0) - yy - zz, xy - wz, xz + wy},
-                    {xy + wz, REAL(1.0) - xx - zz, yz - wx},
-                    {xz - wy, yz + wx, REAL(1.0) - xx - yy}};
+                       {xy + wz, REAL(1.0) - xx - zz, yz - wx},
+                       {xz - wy, yz + wx, REAL(1.0) - xx - yy}};
     return r;
 }
 
@@ -55,14 +55,14 @@ static matrix3 quaternion_rotation(real w, point v)
  * quaternions", 1987) ---------------------------------------------------------------------------- */
 
 enum { SQUARINGS = 10 };
-#define PURE_TRACE REAL(0.9999) /* trace of the square of a matrix of trace 1: nothing else is left */
+#define PURE_TRACE REAL(0.9999) /* of the square of a matrix of trace 1: one eigenvector is left */
 
 typedef struct {
     real at[4][4];
 } horn_matrix;
 
-/* Horn's N for points p that are to be rotated onto q, sum q p' = m with squares that add up to 1; shifted to
- * have no negative eigenvalue, and divided by its trace. */
+/* Horn's N for points p that are to be rotated onto q; sum q p' = m, whose squares add up to 1.  It is
+ * shifted to have no negative eigenvalue, and divided by its trace. */
 static horn_matrix horn_matrix_of(const matrix3 *m)
 {
     const real shift = REAL(1.75); /* > sqrt(3), at which N's eigenvalues end */
@@ -80,7 +80,7 @@ static horn_matrix horn_matrix_of(const matrix3 *m)
     return n;
 }
 
-/* Squares a matrix of trace 1, and makes its trace 1 again.  Returns what it was: 1/4 to 1. */
+/* Squares a matrix of trace 1 and divides it by its trace.  Returns that trace: 1/4 to 1. */
 static real square_and_scale(horn_matrix *n)
 {
     horn_matrix square;
@@ -98,9 +98,9 @@ static real square_and_scale(horn_matrix *n)
     return trace;
 }
 
-/* The rotation r of the largest trace(r' m), whatever the sign of m's determinant; 0 if m is zero.
- * Its quaternion is N's eigenvector of the largest eigenvalue, which repeated squaring leaves alone
- * in the matrix. */
+/* The rotation r of the largest trace(r' m), whatever the sign of m's determinant; returns 0 if m is zero.
+ * Its quaternion is N's eigenvector of the largest eigenvalue: repeated squaring leaves only that one in the
+ * matrix. */
 static int nearest_rotation(matrix3 *r, const matrix3 *m)
 {
     const real size = NORM(norm(m->x), norm(m->y), norm(m->z));

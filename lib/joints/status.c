@@ -7,8 +7,8 @@
 const char *edml_status_name(edml_status status)
 {
     switch (status) {
-#define EDML_STATUS_CASE(name, value, text) \
-    case name:                              \
+#define EDML_STATUS_CASE(name, value, text)                                                                \
+    case name:                                                                                             \
         return text;
         EDML_STATUSES(EDML_STATUS_CASE)
 #undef EDML_STATUS_CASE

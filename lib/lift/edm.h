@@ -33,16 +33,15 @@ static int on_a_line(const image_point at[EDML_JOINTS], uint16_t seen)
     return MUL(uu, vv) - MUL(uv, uv) <= MUL(MUL(THIN_SQUARED, uu + vv), uu + vv);
 }
 
-/* As edml_edm().  scratch: [MAX_IMPUTED * MAX_IMPUTED], for impute(); it may be edm. */
-static edml_status image_distances(real edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS],
-                                   int fewest_joints, real max_aspect,
-                                   const edml_imputation *imputation, real *scratch)
+/* As edml_edm().  seen: seen_joints(in).  scratch: [MAX_IMPUTED * MAX_IMPUTED], for impute(); it may be
+ * edm. */
+static edml_status image_distances(real edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
+                                   int fewest_joints, real max_aspect, const edml_imputation *imputation,
+                                   real *scratch)
 {
-    uint16_t seen = seen_joints(in);
     if (!are_finite(in, seen)) return EDML_ERR_NOT_FINITE;
     if (count_seen(seen) < fewest_joints) return EDML_ERR_TOO_FEW_JOINTS;
-    if (imputation != NULL && count_seen(seen) < EDML_JOINTS - MAX_IMPUTED)
-        return EDML_ERR_TOO_FEW_JOINTS;
+    if (imputation != NULL && count_seen(seen) < EDML_JOINTS - MAX_IMPUTED) return EDML_ERR_TOO_FEW_JOINTS;
     const image_box box = box_of(in, seen);
     if (box.half_height <= MUL(RESOLUTION, box.magnitude)) return EDML_ERR_DEGENERATE;
     if (box.half_width > MUL(max_aspect, box.half_height)) return EDML_ERR_ASPECT;
@@ -68,7 +67,7 @@ edml_status edml_edm(real edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], 
 {
     real scratch[MAX_IMPUTED * MAX_IMPUTED];
     if (edm == NULL || in == NULL) return EDML_ERR_ARGUMENT;
-    return image_distances(edm, in, fewest_joints, max_aspect, imputation, scratch);
+    return image_distances(edm, in, seen_joints(in), fewest_joints, max_aspect, imputation, scratch);
 }
 
 #endif

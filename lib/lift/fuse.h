@@ -27,8 +27,8 @@ typedef struct {
     real xx, xu, uu; /* about the means: <= 9, 12 and 15 */
 } fusion_sums;
 
-static EDML_NOINLINE void sum_fusion(fusion_sums *o, const point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS],
-                                uint16_t seen, real nearness)
+static EDML_NOINLINE void sum_fusion(fusion_sums *o, const point x[EDML_JOINTS],
+                                     const edml_keypoint in[EDML_JOINTS], uint16_t seen, real nearness)
 {
     const image_box box = box_of(in, seen);
     const real weight = REAL(1.0) / (real)count_seen(seen);
@@ -54,12 +54,13 @@ static EDML_NOINLINE void sum_fusion(fusion_sums *o, const point x[EDML_JOINTS],
     o->uu = uu - MUL(u, u) - MUL(v, v);
 }
 
-static void move_to_image(point x[EDML_JOINTS], const fusion_sums *o, uint16_t seen, const edml_model *model)
+static void move_to_image(point x[EDML_JOINTS], const fusion_sums *o, uint16_t seen,
+                          const edml_model *model)
 {
     const real scale = DIV(o->xu, o->uu);          /* < 64 */
     const real square = o->xx - MUL(scale, o->xu); /* scale xu <= xx */
     const real weight = DIV(PARAM(model->fusion[FUSION_WEIGHT]),
-                          PARAM(model->fusion[FUSION_SQUARE]) + (square > 0 ? square : 0)); /* <= 1 */
+                            PARAM(model->fusion[FUSION_SQUARE]) + (square > 0 ? square : 0)); /* <= 1 */
     const real u = MUL(scale, o->at_mean.u) - o->mean.x; /* scale at: <= sqrt(14 * 9), about its mean */
     const real v = MUL(scale, o->at_mean.v) - o->mean.y;
     for (int j = 0; j < EDML_JOINTS; j++) {
@@ -70,7 +71,7 @@ static void move_to_image(point x[EDML_JOINTS], const fusion_sums *o, uint16_t s
 }
 
 void edml_fuse(point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
-                      const edml_model *model)
+               const edml_model *model)
 {
     fusion_sums o;
     seen = (uint16_t)(seen & ALL_JOINTS);

@@ -19,7 +19,7 @@ enum { MAX_IMPUTED = 9 };
 /* The system of the missing joints, (1 - W) x = sum over the seen of W x: the matrix to a, the right
  * sides to where the joints will be.  |weight| < 8; the absolute values in a row add up to < 3.4. */
 static void set_up_system(real *a, image_point at[EDML_JOINTS], const uint8_t *missing, int count,
-                   uint16_t seen, const edml_imputation *imputation)
+                          uint16_t seen, const edml_imputation *imputation)
 {
     for (int p = 0; p < count; p++) {
         const int16_t *weight = imputation->weight[missing[p]];

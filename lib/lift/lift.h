@@ -22,11 +22,11 @@ edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], cons
     if (status != EDML_OK) return status;
     edml_work *const work = memory;
     real *const edm = work->scratch.layer[0];
-    status = image_distances(edm, in, model->fewest_joints, PARAM(model->max_aspect),
+    const uint16_t seen = seen_joints(in);
+    status = image_distances(edm, in, seen, model->fewest_joints, PARAM(model->max_aspect),
                              model->imputation, edm);
     if (status != EDML_OK) return status;
 
-    const uint16_t seen = seen_joints(in);
     RUN_NETWORK(work->distance, edm, model, work);
     edml_mds(work->x, work->distance, work);
     edml_refine(work->x, work->distance, (edml_objective)model->objective, model->refine_steps, work);

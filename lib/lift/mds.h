@@ -10,15 +10,15 @@
 /* The thresholds of jacobi.h, the first three relative to the largest entry of the Gram matrix.
  * test_mds.c measures their effect on the points. */
 #define MDS_ROUNDING REAL(5.9604644775390625e-8) /* 2^-24: rounding */
-#define MDS_WANTED REAL(9.5367431640625e-7)     /* 2^-20 */
-#define MDS_UNWANTED REAL(0.0078125)              /* 2^-7 */
-#define MDS_ANGLE REAL(0.00006103515625)        /* 2^-14 */
+#define MDS_WANTED REAL(9.5367431640625e-7)      /* 2^-20 */
+#define MDS_UNWANTED REAL(0.0078125)             /* 2^-7 */
+#define MDS_ANGLE REAL(0.00006103515625)         /* 2^-14 */
 
 /* Double centring: the Gram matrix J A J of centred points, A = -D^2/2, has the null vector
  * (1, ..., 1).  Instead of subtracting means, reflect that vector onto the last axis: I - u u'/h
  * with u = (ALPHA, ..., ALPHA, 1 + ALPHA) and h = u'u/2 = 1 + ALPHA.  Row and column 13 are then
  * zero, and an eigenproblem of order 13 remains. */
-#define ALPHA REAL(0.26726124191242438) /* 1/sqrt(14) */
+#define ALPHA REAL(0.26726124191242438)       /* 1/sqrt(14) */
 #define HOUSEHOLDER REAL(0.21089672205953698) /* ALPHA / (1 + ALPHA) */
 
 /* gram: upper triangle of order 13.  D <= 3 m: entries before centring <= 4.5 m^2, row sums <= 58.5,
@@ -79,12 +79,16 @@ static void set_coordinate(point *p, int axis, real value)
 
 void edml_mds(point x[EDML_JOINTS], const real distance[EDML_PAIRS], edml_work *work)
 {
-    enum { ORDER = EDML_JOINTS - 1, ROOM = (int)(sizeof work->scratch.rotation / sizeof work->scratch.rotation[0]) };
+    enum {
+        ORDER = EDML_JOINTS - 1,
+        ROOM = (int)(sizeof work->scratch.rotation / sizeof work->scratch.rotation[0])
+    };
     real(*gram)[EDML_JOINTS] = work->matrix;
     reduced_gram(gram, distance);
     const real scale = largest_entry(gram, ORDER);
-    const jacobi_thresholds threshold = {MUL(MDS_UNWANTED, scale) + EPSILON, MUL(MDS_WANTED, scale) + EPSILON,
-                        MUL(MDS_ROUNDING, scale) + EPSILON, MDS_ANGLE};
+    const jacobi_thresholds threshold = {MUL(MDS_UNWANTED, scale) + EPSILON,
+                                         MUL(MDS_WANTED, scale) + EPSILON,
+                                         MUL(MDS_ROUNDING, scale) + EPSILON, MDS_ANGLE};
     const int count = diagonalise(work->scratch.rotation, ROOM, gram, ORDER, threshold);
     int axis[3];
     real length[3];

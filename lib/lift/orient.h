@@ -45,7 +45,7 @@ static void add_moments(moments *m, point p, image_point at)
 }
 
 static EDML_NOINLINE void sum_moments(moments *m, const point x[EDML_JOINTS],
-                              const edml_keypoint in[EDML_JOINTS], uint16_t seen)
+                                      const edml_keypoint in[EDML_JOINTS], uint16_t seen)
 {
     const moments none = {0, 0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, 0};
     const image_box box = box_of(in, seen);
@@ -92,10 +92,9 @@ static point solve_scaled(const moments *s, real ridge, point b)
     const real xy = MUL(s->xz, s->yz) - MUL(s->xy, zz);
     const real xz = MUL(s->xy, s->yz) - MUL(s->xz, yy);
     const real yz = MUL(s->xy, s->xz) - MUL(xx, s->yz);
-    const point r = {
-        MUL(MUL(yy, zz) - MUL(s->yz, s->yz), b.x) + MUL(xy, b.y) + MUL(xz, b.z),
-        MUL(xy, b.x) + MUL(MUL(xx, zz) - MUL(s->xz, s->xz), b.y) + MUL(yz, b.z),
-        MUL(xz, b.x) + MUL(yz, b.y) + MUL(MUL(xx, yy) - MUL(s->xy, s->xy), b.z)};
+    const point r = {MUL(MUL(yy, zz) - MUL(s->yz, s->yz), b.x) + MUL(xy, b.y) + MUL(xz, b.z),
+                     MUL(xy, b.x) + MUL(MUL(xx, zz) - MUL(s->xz, s->xz), b.y) + MUL(yz, b.z),
+                     MUL(xz, b.x) + MUL(yz, b.y) + MUL(MUL(xx, yy) - MUL(s->xy, s->xy), b.z)};
     return r;
 }
 
@@ -108,8 +107,8 @@ static real spread_along(const moments *s, point r)
     return dot(r, product);
 }
 
-/* Squares that are left between the image, at its best scale, and the points along two axes; relative
- * to the points' spread, at most 1. */
+/* The squared residual between the image, at its best scale, and the points along two axes.  Relative to
+ * the points' spread; at most 1. */
 static EDML_NOINLINE real orient_residual(const moments *m, point right, point down)
 {
     const real across = (spread_along(m, right) + spread_along(m, down)) / 4; /* <= 1 */
@@ -130,7 +129,7 @@ static EDML_NOINLINE int orthonormalise(point *first, point *second)
     *first = over(*first, length);
     *second = over(*second, length);
     const real a = dot(*first, *first), b = dot(*first, *second), c = dot(*second, *second);
-    const real determinant = MUL(a, c) - MUL(b, b); /* <= 1/4, for a + c = 1 */
+    const real determinant = MUL(a, c) - MUL(b, b); /* <= 1/4, because a + c = 1 */
     if (!(determinant > PARALLEL_SQUARED)) return 0;
     const real root = SQRT(determinant);
     point u = times(c + root, *first), v = times(a + root, *second);

@@ -1,13 +1,12 @@
 /* Gradient refinement of the points (section 3.3): conjugate gradient with exact line search.
  *
- * All three objectives are handled as sum w (d^2 - D^2)^2 with weights w, at the current points,
- * that give it the objective's own gradient; along a line that sum is a quartic.  For s-stress
- * w = 1.  For eq. 2, w = 1 / |d^2 - D^2|, the usual reweighting.  For raw stress,
- * w = 1 / (2 d (d + D)), whose curvature too is right at d = D.  Divisors are floored, and factors
- * that every w has in common are left out.
+ * Each objective is the sum w (d^2 - D^2)^2, whose weights w give it, at the current points, the objective's
+ * own gradient; along a line that sum is a quartic.  For s-stress w = 1.  For eq. 2, w = 1 / |d^2 - D^2|, the
+ * usual reweighting.  For raw stress w = 1 / (2 d (d + D)), whose curvature is right at d = D as well.
+ * Divisors have a minimum.  Factors that all w have in common are left out.
  *
- * Ranges.  D is in [0, 3] m.  Points are at most 8 m apart, else no step is taken to them: those of
- * the MDS are, as d^2 <= 2 lambda, and the Gram matrix of such distances has no lambda above
+ * Ranges.  D is in [0, 3] m.  Points are at most 8 m apart, else no step is taken to them.  Those of
+ * the MDS are, because d^2 <= 2 lambda, and the Gram matrix of such distances has no lambda above
  * 31.5 m^2: u'Gu = -u'(D^2)u / 2 <= 9 s^2 for a unit u that adds up to 0, whose positive entries
  * add up to s <= sqrt(14) / 2.  Hence d^2 <= 64 and -9 <= d^2 - D^2 <= 64.
  *
@@ -83,8 +82,7 @@ static wide total_stress(const point x[EDML_JOINTS], const real distance[EDML_PA
     return sum;
 }
 
-real edml_stress(const point x[EDML_JOINTS], const real distance[EDML_PAIRS],
-                       edml_objective objective)
+real edml_stress(const point x[EDML_JOINTS], const real distance[EDML_PAIRS], edml_objective objective)
 {
     if (objective == EDML_STRESS_NONE) return 0;
     return SATURATE(total_stress(x, distance, objective) / EDML_PAIRS);
@@ -96,8 +94,7 @@ real edml_stress(const point x[EDML_JOINTS], const real distance[EDML_PAIRS],
 static real divisor(edml_objective objective, real excess, real square, real distance)
 {
     if (objective == EDML_STRESS_SQUARE) return REAL(1.0);
-    const real wanted = objective == EDML_STRESS_EQ2 ? ABS(excess)
-                                                     : square + MUL(SQRT(square), distance);
+    const real wanted = objective == EDML_STRESS_EQ2 ? ABS(excess) : square + MUL(SQRT(square), distance);
     return wanted > MIN_DIVISOR ? wanted : MIN_DIVISOR;
 }
 
@@ -110,8 +107,7 @@ static real gradient_unit(edml_objective objective, wide total)
     if (objective == EDML_STRESS_EQ2) return 2;
     if (objective == EDML_STRESS_RAW) return total <= PRODUCT(REAL(1.0), REAL(1.0)) ? 4 : 32;
     real unit = 1;
-    for (wide most = PRODUCT(REAL(3.25), REAL(1.0)); unit < 128 && total > most; most *= 4)
-        unit *= 2;
+    for (wide most = PRODUCT(REAL(3.25), REAL(1.0)); unit < 128 && total > most; most *= 4) unit *= 2;
     return unit;
 }
 
@@ -123,8 +119,8 @@ static real weighted_excess(edml_objective objective, real unit, real excess, re
 }
 
 /* The downhill direction: minus the gradient, up to a factor.  |out| <= 52 on each axis. */
-static void downhill(point out[EDML_JOINTS], const point x[EDML_JOINTS],
-                     const real distance[EDML_PAIRS], edml_objective objective, real unit)
+static void downhill(point out[EDML_JOINTS], const point x[EDML_JOINTS], const real distance[EDML_PAIRS],
+                     edml_objective objective, real unit)
 {
     const point zero = {0, 0, 0};
     for (int i = 0; i < EDML_JOINTS; i++) out[i] = zero;
@@ -263,9 +259,8 @@ static void next_direction(point step[EDML_JOINTS], const point now[EDML_JOINTS]
 }
 
 /* tried: the best points along the step, from x. */
-static void try_step(point tried[EDML_JOINTS], const point x[EDML_JOINTS],
-                     const point step[EDML_JOINTS], const real distance[EDML_PAIRS],
-                     edml_objective objective)
+static void try_step(point tried[EDML_JOINTS], const point x[EDML_JOINTS], const point step[EDML_JOINTS],
+                     const real distance[EDML_PAIRS], edml_objective objective)
 {
     const power_of_two p = towards_one(largest_component(step));
     for (int j = 0; j < EDML_JOINTS; j++) {
@@ -277,8 +272,8 @@ static void try_step(point tried[EDML_JOINTS], const point x[EDML_JOINTS],
     for (int j = 0; j < EDML_JOINTS; j++) tried[j] = plus(x[j], times(t, tried[j]));
 }
 
-int edml_refine(point x[EDML_JOINTS], const real distance[EDML_PAIRS],
-                      edml_objective objective, int steps, edml_work *work)
+int edml_refine(point x[EDML_JOINTS], const real distance[EDML_PAIRS], edml_objective objective, int steps,
+                edml_work *work)
 {
     point *now = work->scratch.step[0], *before = work->scratch.step[1];
     point *step = work->scratch.step[2], *tried = work->scratch.step[3];

@@ -14,8 +14,8 @@
 /* y = b + W x of eight rows; y may be b.  Eight registers hold the sums, each in the order of the inputs:
  * the compiler may use vector instructions, and the bits are the same without them.  Out of line, because
  * the loop needs all of a Cortex-M's registers. */
-static EDML_NOINLINE void dot8(value y[EDML_ROWS], const activation *x, const weight *w,
-                               const value *b, int inputs)
+static EDML_NOINLINE void dot8(value y[EDML_ROWS], const activation *x, const weight *w, const value *b,
+                               int inputs)
 {
     value s0 = b[0], s1 = b[1], s2 = b[2], s3 = b[3], s4 = b[4], s5 = b[5], s6 = b[6], s7 = b[7];
     for (const activation *const end = x + inputs; x < end; x++, w += EDML_ROWS) {

@@ -19,8 +19,7 @@ static void dense_units(value *y, const value *x, const dense_layer *layer)
     }
 }
 
-EDML_INTERNAL void WEIGHTS(edml__fconn)(value *out, const value *in, const edml_model *model,
-                                        void *scratch)
+EDML_INTERNAL void WEIGHTS(edml__fconn)(value *out, const value *in, const edml_model *model, void *scratch)
 {
     value(*units)[EDML_MAX_UNITS] = scratch;
     const dense_layer *layers = model->layers;

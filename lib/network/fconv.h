@@ -109,15 +109,17 @@ typedef struct {
     value sum[2][FCONV_CHANNELS], image[SIDE * SIDE];
 } fconv_maps;
 
-typedef char scratch_of_a_lift_ends_in_wide[sizeof(((edml_work *)0)->scratch.integer) <=
-                                                    sizeof(((fconv_maps *)0)->wide) ? 1 : -1];
-typedef char maps_fit_the_fixed_work_memory[sizeof(activation) > 2 || offsetof(edml_work_q, scratch) +
-                                            sizeof(fconv_maps) <= sizeof(edml_fconv_work_q) ? 1 : -1];
-typedef char maps_fit_the_work_memory[offsetof(edml_work, scratch) + sizeof(fconv_maps) <=
-                                              sizeof(edml_fconv_work) ? 1 : -1];
+typedef char scratch_of_a_lift_ends_in_wide
+    [sizeof(((edml_work *)0)->scratch.integer) <= sizeof(((fconv_maps *)0)->wide) ? 1 : -1];
+typedef char maps_fit_the_fixed_work_memory[sizeof(activation) > 2 ||
+                                                    offsetof(edml_work_q, scratch) + sizeof(fconv_maps) <=
+                                                        sizeof(edml_fconv_work_q)
+                                                ? 1
+                                                : -1];
+typedef char maps_fit_the_work_memory
+    [offsetof(edml_work, scratch) + sizeof(fconv_maps) <= sizeof(edml_fconv_work) ? 1 : -1];
 
-EDML_INTERNAL void WEIGHTS(edml__fconv)(value *out, const value *in, const edml_model *model,
-                                        void *scratch)
+EDML_INTERNAL void WEIGHTS(edml__fconv)(value *out, const value *in, const edml_model *model, void *scratch)
 {
     fconv_maps *maps = scratch;
     const dense_layer *layer = model->layers;

@@ -7,13 +7,13 @@
 
 #include "model.h"
 
-#define EDML_KERNEL_F32(network)                                                                      \
-    EDML_INTERNAL void edml__##network##_f32(float *out, const float *in, const edml_model *model,    \
-                                             void *scratch);                                          \
+#define EDML_KERNEL_F32(network)                                                                           \
+    EDML_INTERNAL void edml__##network##_f32(float *out, const float *in, const edml_model *model,         \
+                                             void *scratch);                                               \
     EDML_INTERNAL uint32_t edml__##network##_checksum_f32(const edml_model *model)
-#define EDML_KERNEL_INTEGER(network, weights)                                                         \
-    EDML_INTERNAL void edml__##network##_##weights(int32_t *out, const int32_t *in,                   \
-                                                   const edml_model *model, void *scratch);           \
+#define EDML_KERNEL_INTEGER(network, weights)                                                              \
+    EDML_INTERNAL void edml__##network##_##weights(int32_t *out, const int32_t *in,                        \
+                                                   const edml_model *model, void *scratch);                \
     EDML_INTERNAL uint32_t edml__##network##_checksum_##weights(const edml_model *model)
 
 EDML_KERNEL_F32(fconn);

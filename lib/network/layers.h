@@ -33,9 +33,9 @@ typedef struct {
  * bits. */
 typedef struct {
     uint16_t inputs, outputs;
-    const int16_t *weight; /* [groups][inputs][EDML_ROWS], EDML_ALIGN4 */
+    const int16_t *weight;            /* [groups][inputs][EDML_ROWS], EDML_ALIGN4 */
     const int32_t *bias, *multiplier; /* [groups * EDML_ROWS]; multiplier > 0 */
-    uint8_t shift; /* 1 to 62 */
+    uint8_t shift;                    /* 1 to 62 */
     int32_t clamp; /* of an activation; in the last layer, whose y is in metres, Q24: 3 m */
 } edml_dense_w16;
 

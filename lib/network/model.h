@@ -47,7 +47,7 @@ struct edml_model {
     /* Limits of what it was trained on, memory, and where joints are for it that were not seen. */
     uint8_t fewest_joints;
     uint16_t work_bytes, work_bytes_q; /* of edml_lift() and edml_lift_q(); 0: that cannot run it */
-    edml_number max_aspect; /* of the width to the height of the seen joints */
+    edml_number max_aspect;            /* of the width to the height of the seen joints */
     const edml_imputation *imputation;
 
     /* What was measured with it. */

@@ -32,8 +32,8 @@ void edml__run_network(float *out, const float *in, const edml_model *model, voi
     from_q24(out, integers);
 }
 
-edml_status edml_predict(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
-                         const edml_model *model, void *work, size_t work_bytes)
+edml_status edml_predict(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,
+                         void *work, size_t work_bytes)
 {
     if (distance == NULL || edm == NULL || model == NULL || work == NULL) return EDML_ERR_ARGUMENT;
     const edml_status status = edml__check_model(model, model->work_bytes, work, work_bytes);

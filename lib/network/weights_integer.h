@@ -47,7 +47,7 @@ static inline int32_t mean_output(int32_t a, int32_t b, const dense_layer *layer
     return activate(a + b, layer, 0);
 }
 
-#define HASH_MULTIPLIERS(hash, layer, rows) \
+#define HASH_MULTIPLIERS(hash, layer, rows)                                                                \
     ((hash) = hash_values(hash, (layer)->multiplier, rows, sizeof *(layer)->multiplier))
 
 #endif

@@ -39,15 +39,9 @@ typedef char doubles_hold_24_fraction_bits[DBL_MANT_DIG >= 53 ? 1 : -1];
 typedef char shifts_are_arithmetic[(-3 >> 1) == -2 ? 1 : -1];
 
 /* To the nearest; |a b| < 128. */
-static inline real mul_q24(real a, real b)
-{
-    return (real)(((int64_t)a * b + (INT32_C(1) << 23)) >> 24);
-}
+static inline real mul_q24(real a, real b) { return (real)(((int64_t)a * b + (INT32_C(1) << 23)) >> 24); }
 
-static inline wide product_q40(real a, real b) /* rounded down */
-{
-    return ((int64_t)a * b) >> 8;
-}
+static inline wide product_q40(real a, real b) /* rounded down */ { return ((int64_t)a * b) >> 8; }
 
 static inline real saturate_q40(wide sum)
 {
@@ -55,10 +49,7 @@ static inline real saturate_q40(wide sum)
     return (real)(((sum > limit ? limit : sum < -limit ? -limit : sum) + (INT32_C(1) << 15)) >> 16);
 }
 
-static inline real sqrt_q24(real a)
-{
-    return a > 0 ? (real)edml__root((uint64_t)a << 24) : 0;
-}
+static inline real sqrt_q24(real a) { return a > 0 ? (real)edml__root((uint64_t)a << 24) : 0; }
 
 static inline uint64_t square_q24(real a) { return (uint64_t)((int64_t)a * a); } /* <= 2^62 */
 

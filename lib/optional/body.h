@@ -28,9 +28,10 @@ static const real proportion[EDML_BONES + 1] = {
 
 #define MIN_HEIGHT REAL(0.5) /* metres, standing height */
 #define MAX_HEIGHT REAL(2.5)
-#define MAX_HEIGHT_RATIO REAL(1.6) /* ratio of the heights that the bones of one person stand for; seen: 1.44 */
+#define MAX_HEIGHT_RATIO                                                                                   \
+    REAL(1.6) /* ratio of the heights that the bones of one person stand for; seen: 1.44 */
 
-/* Limits of the factor for a whole pose.  Its bones are 14 m long at most. */
+/* Limits of the factor for a whole pose.  Bones are 14 m long at most. */
 enum { MAX_ENLARGEMENT = 2, MAX_REDUCTION = 8 };
 
 enum { HEAD_BONE = 0, FIRST_LEG_BONE = 7 };
@@ -39,7 +40,7 @@ enum { HEAD_BONE = 0, FIRST_LEG_BONE = 7 };
 static real implied_height(api_real measure, real of_height)
 {
     if (!(measure > 0 && measure < TO_API(POSE_REACH))) return 0; /* NaN is not */
-    const real height = DIV(FROM_API(measure), of_height); /* < 36 */
+    const real height = DIV(FROM_API(measure), of_height);        /* < 36 */
     return height >= MIN_HEIGHT && height <= MAX_HEIGHT ? height : 0;
 }
 

@@ -28,8 +28,8 @@ static torso_axes torso_axes_of(const point x[EDML_JOINTS], int right, int left)
     return axes;
 }
 
-/* Outward, up and forward.  A left bone is as its right one in a mirror, and a head that leans to the
- * right as one that leans to the left. */
+/* The bone's components outward, up and forward.  Left bones are mirrored onto right ones, and a head that
+ * leans to the right onto one that leans to the left. */
 static point in_axes(torso_axes axes, point bone, int n)
 {
     const point left = {dot(axes.side, bone), dot(axes.up, bone), dot(axes.front, bone)};
@@ -66,16 +66,20 @@ static map_cell cell_of(point bone)
     const real x = DIV(bone.x, sum), y = DIV(bone.y, sum);
     const real beside_x = REAL(1.0) - ABS(y), beside_y = REAL(1.0) - ABS(x);
     const int back = bone.z < 0;
-    const map_cell cell = {cell_index(!back ? y : y < 0 ? -beside_y : beside_y),
-                           cell_index(!back ? x : x < 0 ? -beside_x : beside_x)};
+    const map_cell cell = {cell_index(!back   ? y
+                                      : y < 0 ? -beside_y
+                                              : beside_y),
+                           cell_index(!back   ? x
+                                      : x < 0 ? -beside_x
+                                              : beside_x)};
     return cell;
 }
 
 /* bone: in the torso's axes; parent: NULL for a bone that hangs on the torso itself. */
 static int is_human(int kind, point bone, const point *parent)
 {
-    static const uint8_t first[] = {EDML_ARM_MAPS, EDML_FOREARM_MAPS, EDML_HEAD_MAPS,
-                                    EDML_THIGH_MAPS, EDML_SHIN_MAPS};
+    static const uint8_t first[] = {EDML_ARM_MAPS, EDML_FOREARM_MAPS, EDML_HEAD_MAPS, EDML_THIGH_MAPS,
+                                    EDML_SHIN_MAPS};
     int map = first[kind];
     if (has_no_direction(bone)) return 0;
     if (parent != NULL) {
@@ -93,14 +97,14 @@ static int count_violations(const point x[EDML_JOINTS])
     const torso_axes chest = torso_axes_of(x, EDML_R_SHOULDER, EDML_L_SHOULDER);
     const torso_axes pelvis = torso_axes_of(x, EDML_R_HIP, EDML_L_HIP);
     point bone[OUTER_BONES];
-    int beyond = 0;
+    int violations = 0;
     for (int n = 0; n < OUTER_BONES; n++) {
         const int kind = outer_bones[n].kind;
         const point points = direction(minus(x[outer_bones[n].to], x[outer_bones[n].from]));
         bone[n] = in_axes(kind < THIGHS ? chest : pelvis, points, n);
-        beyond += !is_human(kind, bone[n], kind == FOREARMS || kind == SHINS ? &bone[n - 2] : NULL);
+        violations += !is_human(kind, bone[n], kind == FOREARMS || kind == SHINS ? &bone[n - 2] : NULL);
     }
-    return beyond;
+    return violations;
 }
 
 static int count_pose_violations(const edml_pose *pose, int reflected)

@@ -28,11 +28,11 @@ static const struct {
 #define MAX_MARGIN REAL(2.0)
 #define PER_RESIDUAL REAL(17.418) /* a metre */
 #define PER_MISFIT REAL(23.256)   /* a metre */
-#define MAX_METRES REAL(0.5) /* of either */
+#define MAX_METRES REAL(0.5)      /* of either */
 #define PER_MISSING REAL(0.551)   /* a joint */
-#define MAX_MISSING 4        /* joints; the networks need the others */
-#define PER_VIOLATION REAL(6.757)    /* a metre */
-#define MAX_VIOLATION REAL(4.0) /* metres, of all bones */
+#define MAX_MISSING 4             /* joints; the networks need the others */
+#define PER_VIOLATION REAL(6.757) /* a metre */
+#define MAX_VIOLATION REAL(4.0)   /* metres, of all bones */
 #define QUALITY_CONSTANT REAL(2.351)
 
 static real clamp_to(api_real a, real limit) { return a < TO_API(limit) ? FROM_API(a) : limit; }
@@ -42,8 +42,8 @@ static real length_violation(const edml_pose *pose)
 {
     real sum = 0;
     for (int n = 0; n < EDML_BONES; n++) {
-        const real length = norm(minus(pose_joint(pose, edml_bones[n].to),
-                                       pose_joint(pose, edml_bones[n].from)));
+        const real length = norm(
+            minus(pose_joint(pose, edml_bones[n].to), pose_joint(pose, edml_bones[n].from)));
         if (length < bone_range[n].min) sum += bone_range[n].min - length;
         if (length > bone_range[n].max) sum += length - bone_range[n].max;
         if (sum > MAX_VIOLATION) return MAX_VIOLATION; /* before the next one, of up to 14 m */
@@ -89,7 +89,7 @@ static real image_misfit(const edml_pose *pose, const edml_keypoint in[EDML_JOIN
     pq -= dot(p_mean, q_mean);
     qq -= dot(q_mean, q_mean); /* >= 1 / 28: a joint is 1 away from the first */
     const real square = pq > 0 ? pp - MUL(DIV(pq, qq), pq) : pp; /* pq / qq <= sqrt(pp / qq) */
-    if (!(square < MUL(limit, limit))) return limit; /* also NaN */
+    if (!(square < MUL(limit, limit))) return limit;             /* also NaN */
     return square > 0 ? SQRT(square) : 0;
 }
 

@@ -1,4 +1,4 @@
-/* Upright and on the floor.
+/* Stands a pose upright on the floor.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -30,8 +30,7 @@ static point horizontal_right(point up)
 {
     const real side = up.y > 0 ? -REAL(1.0) : REAL(1.0);
     const real ratio = DIV(up.x, REAL(1.0) + ABS(up.y));
-    const point right = {MUL(side, REAL(1.0) - MUL(ratio, up.x)), up.x,
-                         -MUL(side, MUL(ratio, up.z))};
+    const point right = {MUL(side, REAL(1.0) - MUL(ratio, up.x)), up.x, -MUL(side, MUL(ratio, up.z))};
     return right;
 }
 

@@ -1,5 +1,5 @@
-/* How far off are joints, given which were seen?  Means over training people with an imitated
- * detector's noise: tools/fit_person.py.
+/* How far off joints are, given which were seen.  Means over training people with an imitated
+ * detector's noise: tools/fitting/body.py.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -12,7 +12,7 @@ enum { MOST_MISSING = 4 };
 typedef struct {
     uint8_t seen[MOST_MISSING + 1]; /* millimetres, by how many joints were not seen */
     uint8_t alone;                  /* not seen, while all its neighbours were */
-    uint8_t lost[MOST_MISSING - 1]; /* not seen, nor a neighbour, by how many were not: from 2 on */
+    uint8_t lost[MOST_MISSING - 1]; /* not seen, nor a neighbour, by how many joints were not seen: from 2 on */
 } joint_error;
 
 static const joint_error head = {{54, 55, 62, 61, 74}, 70, {67, 68, 73}};

@@ -19,21 +19,21 @@ enum { HOLD_MS = 300, GAP_MS = 1000 }; /* ms */
 enum { MIN_SEEN = EDML_JOINTS / 2 };
 
 #define IMAGE_CUTOFF 2.0F /* Hz */
-#define IMAGE_SLOPE 4.0F  /* Hz per size of the body a second */
+#define IMAGE_SLOPE 4.0F  /* Hz per body size per second */
 #define SPACE_CUTOFF 1.0F
 #define SPACE_SLOPE 2.5F /* Hz per m/s */
 #define RATE_CUTOFF 4.0F /* Hz */
 
 /* The filters act in full at a usual detector's jitter; steadier keypoints are filtered less. */
-#define JITTER_FULL 0.115F       /* of a usual detector, body sizes: see estimate_jitter() ... */
+#define JITTER_FULL 0.115F  /* of a usual detector, body sizes: see estimate_jitter() ... */
 #define JITTER_SECONDS 0.2F /* ... averaged over */
-#define MAX_STEADINESS 3.0F     /* times as steady as that: no filter gets lighter than for these */
+#define MAX_STEADINESS 3.0F /* times as steady as that: no filter gets lighter than for these */
 
 /* Log-odds, see flips(). */
-#define MAX_LOG_ODDS 6.0F            /* no belief is stronger */
-#define SIDES_AT_START 2.0F            /* that the detector's sides are right at the start ... */
-#define SIDES_PER_SECOND 16.0F  /* ... and the evidence for it that each second of detections adds */
-#define SIDES_CONTINUE 0.3F   /* seconds, per squared body size */
+#define MAX_LOG_ODDS 6.0F      /* no belief is stronger */
+#define SIDES_AT_START 2.0F    /* that the detector's sides are right at the start ... */
+#define SIDES_PER_SECOND 16.0F /* ... and the evidence for it that each second of detections adds */
+#define SIDES_CONTINUE 0.3F    /* seconds, per squared body size */
 #define MIRROR_CONTINUES 0.15F /* seconds per square metre */
 
 /* ---- The one-euro filter (Casiez, Roussel, Vogel 2012) ---------------------------------------- */
@@ -45,10 +45,7 @@ static edml_moving at_rest(edml_point at)
 }
 
 /* The low-pass gain for a sample that comes `seconds` after the last. */
-static float gain(float cutoff, float seconds)
-{
-    return seconds / (seconds + 1 / (6.2831853F * cutoff));
-}
+static float gain(float cutoff, float seconds) { return seconds / (seconds + 1 / (6.2831853F * cutoff)); }
 
 /* Moves a joint towards where it is seen.  All of its coordinates have one cutoff, by its speed in units per
  * second, so that a rotation of the camera changes nothing. */
@@ -103,7 +100,7 @@ static int flips(float *belief, float continuity, float evidence)
 /* Was it seen lately? */
 static int is_known(const edml_track *track, int j) { return track->joint[j].age <= HOLD_MS; }
 
-/* Mean distance along x and along y, added, of the seen joints from their middle. */
+/* The mean |x| + |y| of the seen joints from their mean. */
 static float body_size(const edml_keypoint in[])
 {
     const float count = (float)count_seen(seen_joints(in));
@@ -190,7 +187,7 @@ static void estimate_jitter(edml_track *track, const edml_keypoint in[], float s
     }
     if (!(count > 0)) return;
     const float seconds = 0.001F * (float)track->elapsed;
-    const float off = clamp_float(sum / count, 1); /* infinity would stay */
+    const float off = clamp_float(sum / count, 1); /* infinity would stay for ever */
     track->jitter += seconds / (seconds + JITTER_SECONDS) * (off - track->jitter);
 }
 
@@ -339,7 +336,7 @@ edml_status edml_track_lift(edml_pose *out, edml_track *track, const edml_keypoi
     const float size = body_size(in);
     if (!(size > 0)) return EDML_ERR_DEGENERATE;
 
-    edml_track next = *track; /* which counts only if the frame is lifted */
+    edml_track next = *track; /* takes effect only if the frame is lifted */
     edml_keypoint joints[EDML_JOINTS];
     memcpy(joints, in, sizeof joints);
     move_on(&next, time_ms);

@@ -1,0 +1,60 @@
+"""edmlift: 2D joints of a person in, a 3D pose in metres out.
+
+    import edmlift
+    poses = edmlift.lift(keypoints, format="coco17")   # [F,17,2] or [F,17,3] pixels
+    poses.joints                                       # [F,14,3] metres, NaN where refused
+    poses.status                                       # [F] "ok", or why not
+
+The method is that of F. Moreno-Noguer, "3D Human Pose Estimation from a Single Image via Distance
+Matrix Regression" (CVPR 2017); "section" in this package refers to it.  The C library computes, so
+that results are the bits that a microcontroller gets.  Axes are the camera's: x right, y down, z
+away; the origin is midway between the hips; left and right are the subject's.
+"""
+
+from edmlift._version import __version__
+from edmlift.body import fit_body
+from edmlift.drawing import draw
+from edmlift.files import FileError, read_keypoints, read_poses, read_truth, write_poses
+from edmlift.formats import FORMATS
+from edmlift.joints import BONES, JOINTS, MIRROR
+from edmlift.keypoints import adapt
+from edmlift.lifting import Poses, lift
+from edmlift.metrics import joint_errors, mpjpe, pa_mpjpe, pck, procrustes
+from edmlift.networks import models
+from edmlift.placing import Placements, place, stand
+from edmlift.plausibility import joint_limits, quality, reflect_by_joint_limits, uncertainty
+from edmlift.tracking import Track, Tracked, track
+
+__all__ = [
+    "BONES",
+    "FORMATS",
+    "JOINTS",
+    "MIRROR",
+    "FileError",
+    "Placements",
+    "Poses",
+    "Track",
+    "Tracked",
+    "__version__",
+    "adapt",
+    "draw",
+    "fit_body",
+    "joint_errors",
+    "joint_limits",
+    "lift",
+    "models",
+    "mpjpe",
+    "pa_mpjpe",
+    "pck",
+    "place",
+    "procrustes",
+    "quality",
+    "read_keypoints",
+    "read_poses",
+    "read_truth",
+    "reflect_by_joint_limits",
+    "stand",
+    "track",
+    "uncertainty",
+    "write_poses",
+]

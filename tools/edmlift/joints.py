@@ -1,13 +1,17 @@
-"""The 14 joints of CPM-14: names, tree and mirror pairs, in the order of `enum edml_joint`.
+"""The 14 joints: names, bones and mirror pairs, in the order of `enum edml_joint`.
 
-Left and right are the subject's. Every other tool imports the skeleton from here.
+Left and right are the subject's.
 """
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 JOINTS = (
-    "head_top",
-    "neck",
+    "head",
+    "neck_base",
     "right_shoulder",
     "right_elbow",
     "right_wrist",
@@ -23,16 +27,17 @@ JOINTS = (
 )
 INDEX = {name: i for i, name in enumerate(JOINTS)}
 
-# The tree is rooted at the neck; PARENT[NECK] is the neck itself.
+# The tree is rooted at the base of the neck, which is its own parent.
 PARENT = np.array([1, 1, 1, 2, 3, 1, 5, 6, 1, 8, 9, 1, 11, 12])
-BONES = [(int(p), j) for j, p in enumerate(PARENT) if p != j]
+# (parent, joint) of the 13 bones, in the order of edml_bones.
+BONES = tuple((int(parent), joint) for joint, parent in enumerate(PARENT) if parent != joint)
 
 # Index of each joint's mirror image.
 MIRROR = np.array([0, 1, 5, 6, 7, 2, 3, 4, 11, 12, 13, 8, 9, 10])
 
 # Bone types, left and right alike: the units in which bodies are varied.
 BONE_TYPE = {
-    "head": ("head_top",),
+    "head": ("head",),
     "clavicle": ("right_shoulder", "left_shoulder"),
     "upper_arm": ("right_elbow", "left_elbow"),
     "forearm": ("right_wrist", "left_wrist"),
@@ -41,6 +46,7 @@ BONE_TYPE = {
     "shin": ("right_ankle", "left_ankle"),
 }
 
+# The two free joints of each limb.
 LIMBS = {
     "right_arm": ("right_elbow", "right_wrist"),
     "left_arm": ("left_elbow", "left_wrist"),
@@ -54,40 +60,47 @@ ARMS, LEGS = ("right_arm", "left_arm"), ("right_leg", "left_leg")
 PAIRS = np.triu_indices(len(JOINTS), 1)
 
 
-def pair_twins() -> np.ndarray:
-    """Each pair of joints with its twin, the same with left for right: indices into PAIRS [49,2].
+def _pair_mirror() -> NDArray[np.int_]:
+    """Each pair of joints with its mirror pair, left for right: indices into PAIRS [49,2].
 
-    In the order of PAIRS; last come those that are their own, such as that of the knees.
+    In the order of PAIRS; those that are their own mirror pair, such as the knees, come last.
     """
     number = np.zeros((len(JOINTS), len(JOINTS)), int)
     number[PAIRS] = np.arange(len(PAIRS[0]))
     number += number.T
-    twin = number[MIRROR[PAIRS[0]], MIRROR[PAIRS[1]]]
-    first = np.arange(len(twin))
+    mirror = number[MIRROR[PAIRS[0]], MIRROR[PAIRS[1]]]
+    first = np.arange(len(mirror))
     return np.concatenate(
-        [np.stack([first, twin], 1)[keep] for keep in (first < twin, first == twin)]
+        [np.stack([first, mirror], 1)[keep] for keep in (first < mirror, first == mirror)]
     )
 
 
-PAIR_TWINS = pair_twins()
-SELF_TWINS = 7  # of these, their own
+PAIR_MIRROR = _pair_mirror()
+SELF_MIRRORED = 7  # pairs, the last of PAIR_MIRROR, that are their own mirror pair
 
 
-def indices(names: tuple[str, ...]) -> list[int]:
-    """Joint indices of a tuple of joint names."""
+def indices(names: Sequence[str]) -> list[int]:
+    """Joint indices of joint names."""
     return [INDEX[name] for name in names]
 
 
-def mid_hip(joints: np.ndarray) -> np.ndarray:
-    """Root of a pose: the point between the hips; [..., 14, D] -> [..., D]."""
-    return (joints[..., INDEX["right_hip"], :] + joints[..., INDEX["left_hip"], :]) / 2
+def mid_hip(joints: NDArray[Any]) -> NDArray[Any]:
+    """The point midway between the hips, a pose's origin: [..., 14, D] -> [..., D]."""
+    return _middle(joints, "hip")
 
 
-def mid_shoulder(joints: np.ndarray) -> np.ndarray:
-    """Midpoint of the shoulders: [..., 14, D] -> [..., D]."""
-    return (joints[..., INDEX["right_shoulder"], :] + joints[..., INDEX["left_shoulder"], :]) / 2
+def mid_shoulder(joints: NDArray[Any]) -> NDArray[Any]:
+    """The point midway between the shoulders: [..., 14, D] -> [..., D]."""
+    return _middle(joints, "shoulder")
 
 
-def mirrored(joints: np.ndarray) -> np.ndarray:
+def _middle(joints: NDArray[Any], name: str) -> NDArray[Any]:
+    right, left = INDEX[f"right_{name}"], INDEX[f"left_{name}"]
+    middle: NDArray[Any] = (joints[..., right, :] + joints[..., left, :]) / 2
+    return middle
+
+
+def mirrored(joints: NDArray[Any]) -> NDArray[Any]:
     """What the pose is in a mirror, left for right: [..., 14, 3] -> [..., 14, 3]."""
-    return joints[..., MIRROR, :] * [-1, 1, 1]
+    image: NDArray[Any] = joints[..., MIRROR, :] * [-1, 1, 1]
+    return image

@@ -8,12 +8,12 @@
 #include "../../geometry/rotation.h"
 
 #define SINGULAR_PIVOT REAL(0.000244140625) /* 2^-12: pivots up to this are zero */
-#define MAX_SOLUTION 8 /* solutions beyond it are none */
+#define MAX_SOLUTION 8                      /* solutions beyond it are none */
 
 static const matrix3 zero_matrix = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
 
-/* Solution of A x = b for a symmetric positive A, by elimination; 0 if there is none within MAX_SOLUTION.
- * What is divided by a pivot d is below sqrt(d) times the root of A's largest entry, 9. */
+/* Solves A x = b for a symmetric positive A by elimination; returns 0 if there is no solution within
+ * MAX_SOLUTION.  A numerator over a pivot d is below sqrt(d) times the root of A's largest entry, 9. */
 static int solve3(point *x, const matrix3 *a, point b)
 {
     if (!(a->x.x > SINGULAR_PIVOT)) return 0;
@@ -69,8 +69,9 @@ static int solve_step(point *translation, point *rotation, equations *n)
 {
     point unrotated;
     matrix3 k;
-    if (!solve3(&unrotated, &n->translation, n->to_translation) || !solve3(&k.x, &n->translation, n->both.x) ||
-        !solve3(&k.y, &n->translation, n->both.y) || !solve3(&k.z, &n->translation, n->both.z))
+    if (!solve3(&unrotated, &n->translation, n->to_translation) ||
+        !solve3(&k.x, &n->translation, n->both.x) || !solve3(&k.y, &n->translation, n->both.y) ||
+        !solve3(&k.z, &n->translation, n->both.z))
         return 0;
     n->rotation.x = minus(n->rotation.x, rotate(&k, n->both.x));
     n->rotation.y = minus(n->rotation.y, rotate(&k, n->both.y));

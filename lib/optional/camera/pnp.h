@@ -17,14 +17,14 @@
 #include "scene.h"
 
 #define MAX_DISTANCE REAL(100.0) /* metres */
-#define RIDGE REAL(0.01) /* flat points stay solvable */
+#define RIDGE REAL(0.01)         /* flat points stay solvable */
 
 enum { MAX_STEPS = 24, MAX_EXTRAPOLATIONS = 8, MAX_REFINEMENTS = 5 };
 /* Angles of Gauss-Newton steps, radians, after which no other is needed: the next would be far smaller. */
-#define NEAR_ANGLE REAL(0.0078125) /* 2^-7: near enough for refine_reprojection() */
+#define NEAR_ANGLE REAL(0.0078125)     /* 2^-7: near enough for refine_reprojection() */
 #define FINAL_ANGLE REAL(0.0009765625) /* 2^-10 */
 
-#define MAX_MISS REAL(2.0) /* a joint is off by no more, in units of spread */
+#define MAX_MISS REAL(2.0)              /* a joint is off by no more, in units of spread */
 #define MIN_DEPTH REAL(0.3333333333333) /* of the person's depth: no joint is nearer */
 
 typedef struct {
@@ -50,12 +50,12 @@ static point joint_at(const scene *v, const estimate *s, int j)
 typedef struct {
     point a, b;
     real miss_a, miss_b;
-} residual;
+} joint_residual;
 
-typedef int residual_of(residual *out, const scene *v, const estimate *s, int j);
+typedef int residual_of(joint_residual *out, const scene *v, const estimate *s, int j);
 
 /* In space: the distance from the line of sight. */
-static int line_residual(residual *out, const scene *v, const estimate *s, int j)
+static int line_residual(joint_residual *out, const scene *v, const estimate *s, int j)
 {
     const point at = joint_at(v, s, j);
     out->a = v->a[j];
@@ -74,9 +74,9 @@ static point in_camera(const scene *v, point at)
 
 /* In the image: distance from where the joint was seen, in units of spread, times the person's depth;
  * and its derivatives.  0 if the joint is too near or behind, or far from where it was seen. */
-static int image_residual(residual *out, const scene *v, const estimate *s, int j)
+static int image_residual(joint_residual *out, const scene *v, const estimate *s, int j)
 {
-    const residual none = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+    const joint_residual none = {{0, 0, 0}, {0, 0, 0}, 0, 0};
     const real root = v->ray[j].z;
     const point p = in_camera(v, joint_at(v, s, j));
     *out = none;
@@ -103,7 +103,7 @@ static int sum_errors(estimate *s, const scene *v, residual_of *residual_at)
 {
     s->error = 0;
     for (int j = 0; j < EDML_JOINTS; j++) {
-        residual of;
+        joint_residual of;
         if (!residual_at(&of, v, s, j)) return 0;
         s->error += PRODUCT(of.miss_a, of.miss_a) + PRODUCT(of.miss_b, of.miss_b);
     }
@@ -125,12 +125,13 @@ static int best_translation(estimate *s, const scene *v)
 /* ---- Steps -------------------------------------------------------------------------------------- */
 
 /* The Gauss-Newton step from an estimate, and about its angle, radians; 0 if there is none. */
-static int gauss_newton_step(estimate *next, real *angle, const scene *v, const estimate *s, residual_of *residual_at)
+static int gauss_newton_step(estimate *next, real *angle, const scene *v, const estimate *s,
+                             residual_of *residual_at)
 {
     const point zero = {0, 0, 0};
     equations n = {zero_matrix, zero_matrix, zero_matrix, zero, zero};
     for (int j = 0; j < EDML_JOINTS; j++) {
-        residual of;
+        joint_residual of;
         if (!residual_at(&of, v, s, j)) return 0;
         const point arm = rotate(&s->rotation, v->joint[j]);
         add_miss(&n, of.a, cross(arm, stretch(v, of.a)), of.miss_a);
@@ -153,9 +154,9 @@ static int orthogonal_iteration_step(estimate *next, const scene *v, const estim
 {
     const point zero = {0, 0, 0};
     matrix3 m = {rotate(&v->scatter, s->rotation.x), rotate(&v->scatter, s->rotation.y),
-              rotate(&v->scatter, s->rotation.z)};
+                 rotate(&v->scatter, s->rotation.z)};
     for (int j = 0; j < EDML_JOINTS; j++) {
-        residual of;
+        joint_residual of;
         line_residual(&of, v, s, j);
         const point miss = stretch(v, plus(times(of.miss_a, of.a), times(of.miss_b, of.b)));
         add_product(&m, minus(zero, miss), v->joint[j]);
@@ -240,8 +241,9 @@ static int orthographic_start(estimate *s, const scene *v)
 static int reversed_start(estimate *reversed, const scene *v, const estimate *s)
 {
     const point away = rotate(&v->scatter, s->rotation.z);
-    const matrix3 m = {rotate(&v->scatter, s->rotation.x), rotate(&v->scatter, s->rotation.y),
-                    {-away.x, -away.y, -away.z}};
+    const matrix3 m = {rotate(&v->scatter, s->rotation.x),
+                       rotate(&v->scatter, s->rotation.y),
+                       {-away.x, -away.y, -away.z}};
     return nearest_rotation(&reversed->rotation, &m);
 }
 
@@ -266,7 +268,8 @@ static edml_status write_placement(edml_placement *out, const scene *v, const es
 {
     const real far = MUL(s->translation.z, v->size);
     if (far / 128 >= MUL(MAX_DISTANCE / 128, v->spread)) return EDML_ERR_CAMERA;
-    const point translation = {MUL(s->translation.x, v->size), MUL(s->translation.y, v->size), DIV(far, v->spread)};
+    const point translation = {MUL(s->translation.x, v->size), MUL(s->translation.y, v->size),
+                               DIV(far, v->spread)};
     const matrix3 back = transpose(&v->view_rotation), rotation = compose(&back, &s->rotation);
     const point origin = minus(rotate_back(&v->view_rotation, translation), rotate(&rotation, v->mean));
     for (int j = 0; j < EDML_JOINTS; j++)
@@ -322,14 +325,13 @@ edml_status edml_place(edml_placement *out, const edml_pose *pose, const edml_ke
 }
 
 edml_status edml_place_sweep(edml_placement *out, edml_camera *found, const edml_pose *pose,
-                             const edml_keypoint in[EDML_JOINTS], pixels width, pixels height,
-                             void *memory, size_t work_bytes)
+                             const edml_keypoint in[EDML_JOINTS], pixels width, pixels height, void *memory,
+                             size_t work_bytes)
 {
     /* 0.5 to 4 in 11 equal steps of the logarithm */
-    static const real focal[12] = {
-        REAL(0.5),      REAL(0.604045), REAL(0.72974),  REAL(0.881591),
-        REAL(1.065041), REAL(1.286665), REAL(1.554406), REAL(1.877862),
-        REAL(2.268625), REAL(2.740702), REAL(3.311013), REAL(4.0)};
+    static const real focal[12] = {REAL(0.5),      REAL(0.604045), REAL(0.72974),  REAL(0.881591),
+                                   REAL(1.065041), REAL(1.286665), REAL(1.554406), REAL(1.877862),
+                                   REAL(2.268625), REAL(2.740702), REAL(3.311013), REAL(4.0)};
     if (out == NULL || found == NULL || pose == NULL || in == NULL || memory == NULL)
         return EDML_ERR_ARGUMENT;
     if (!(IS_FINITE(width) && IS_FINITE(height) && width > 0 && height > 0)) return EDML_ERR_CAMERA;

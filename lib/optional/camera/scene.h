@@ -13,11 +13,11 @@
 #include "../../geometry/seen.h"
 #include "least_squares.h"
 
-#define MIN_JOINTS 7 /* from 6, one in some thousand finds another pose */
-#define NEGLIGIBLE_PART 1024 /* a joint with less of all confidence counts as not seen */
-#define MAX_TANGENT 2 /* tangent, along x and along y, from the camera's axis */
-#define MIN_SPREAD REAL(0.001953125) /* least spread: 2^-9 */
-#define MIN_SIZE REAL(0.015625) /* root of a pose's mean square, metres */
+#define MIN_JOINTS 7                 /* from 6, one in some thousand finds another pose */
+#define NEGLIGIBLE_PART 1024         /* a joint with less of all confidence counts as not seen */
+#define MAX_TANGENT 2                /* of a ray to the camera's axis, along x and along y */
+#define MIN_SPREAD REAL(0.001953125) /* 2^-9 */
+#define MIN_SIZE REAL(0.015625)      /* root of a pose's mean square, metres */
 
 typedef struct {
     point *joint; /* [14] about their mean, in units of `size`: weighted squares add up to 1 */
@@ -26,8 +26,8 @@ typedef struct {
     point mean;
     real size; /* metres */
     matrix3 view_rotation;
-    matrix3 scatter; /* joints times joints */
-    matrix3 lines;   /* a times a and b times b */
+    matrix3 scatter;    /* joints times joints */
+    matrix3 lines;      /* a times a and b times b */
     point across, down; /* joints times image */
     real spread;
     real depth; /* of the person, along the camera's axis, times spread: before refine_reprojection() */
@@ -52,8 +52,8 @@ static edml_status set_weights(scene *v, const edml_keypoint in[EDML_JOINTS])
 /* Can a camera have these numbers? */
 static int is_camera(const edml_camera *camera)
 {
-    return IS_FINITE(camera->fx) && IS_FINITE(camera->fy) && IS_FINITE(camera->cx) && IS_FINITE(camera->cy) && camera->fx > 0 &&
-           camera->fy > 0;
+    return IS_FINITE(camera->fx) && IS_FINITE(camera->fy) && IS_FINITE(camera->cx) &&
+           IS_FINITE(camera->cy) && camera->fx > 0 && camera->fy > 0;
 }
 
 static edml_status set_rays(scene *v, const edml_keypoint in[EDML_JOINTS], const edml_camera *camera)
@@ -107,12 +107,12 @@ static void set_view_rotation(scene *v)
         const point ray = {v->ray[j].x, v->ray[j].y, REAL(1.0)};
         if (v->ray[j].z > 0) add_multiple(&sum, weight_of(v, j), ray);
     }
-    const point z = over(sum, norm(sum)); /* 1/3 < z.z <= 1, as no ray is steeper than 2 */
+    const point z = over(sum, norm(sum)); /* 1/3 < z.z <= 1, because no ray is steeper than 2 */
     const real ratio = DIV(REAL(1.0), REAL(1.0) + z.z);
     const real xy = MUL(ratio, MUL(z.x, z.y));
     const matrix3 view_rotation = {{REAL(1.0) - MUL(ratio, MUL(z.x, z.x)), -xy, -z.x},
-                       {-xy, REAL(1.0) - MUL(ratio, MUL(z.y, z.y)), -z.y},
-                       z};
+                                   {-xy, REAL(1.0) - MUL(ratio, MUL(z.y, z.y)), -z.y},
+                                   z};
     v->view_rotation = view_rotation;
 }
 
@@ -152,8 +152,7 @@ static void set_lines(scene *v)
         const real height = HYPOT(REAL(1.0), y);
         const real root_b = DIV(root, height), root_a = DIV(root_b, HYPOT(height, x));
         const point b = {0, root_b, -MUL(root_b, wide_y)};
-        const point a = {MUL(root_a, REAL(1.0) + MUL(y, y)), -MUL(root_a, MUL(x, y)),
-                         -MUL(root_a, wide_x)};
+        const point a = {MUL(root_a, REAL(1.0) + MUL(y, y)), -MUL(root_a, MUL(x, y)), -MUL(root_a, wide_x)};
         v->a[j] = a;
         v->b[j] = b;
         add_product(&v->lines, a, a);
@@ -162,7 +161,7 @@ static void set_lines(scene *v)
 }
 
 static edml_status set_up_scene(scene *v, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
-                           const edml_camera *camera)
+                                const edml_camera *camera)
 {
     if (!is_camera(camera)) return EDML_ERR_CAMERA;
     if (!is_pose(pose)) return EDML_ERR_NOT_FINITE;

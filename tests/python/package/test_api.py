@@ -1,0 +1,464 @@
+"""The public functions: shapes, formats, thresholds, and errors that say what is wrong."""
+
+import dataclasses
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from package_support import DATA, ROOT, WALK, need_library
+
+import edmlift
+from edmlift import networks
+
+HEADERS = "".join(path.read_text("utf-8") for path in sorted(ROOT.glob("include/**/*.h")))
+FIELDS = ("joints", "mirror_margin", "residual", "seen", "status", "keypoints")
+CAMERA = (1150.0, 1150.0, 500.0, 500.0)
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+
+@pytest.fixture(autouse=True)
+def _library() -> None:
+    need_library()
+
+
+def coco17(joints: np.ndarray = WALK) -> np.ndarray:
+    """Keypoints [F,17,3] of a detector that sees the limbs of joints, and a head above them."""
+    keypoints = np.zeros((len(joints), 17, 3))
+    keypoints[:, :5] = joints[:, :1]
+    keypoints[:, [6, 8, 10, 5, 7, 9, 12, 14, 16, 11, 13, 15]] = joints[:, 2:]
+    return keypoints
+
+
+def same(one: edmlift.Poses, other: edmlift.Poses) -> None:
+    for field in FIELDS:
+        np.testing.assert_array_equal(getattr(one, field), getattr(other, field), err_msg=field)
+
+
+# ---- Shapes ------------------------------------------------------------------------------------
+
+
+def test_shapes_types_and_ranges():
+    poses = edmlift.lift(WALK)
+    count = len(WALK)
+    assert poses.joints.shape == poses.keypoints.shape == (count, 14, 3)
+    assert poses.seen.shape == (count, 14) and poses.seen.dtype == bool and poses.seen.all()
+    assert poses.mirror_margin.shape == poses.residual.shape == poses.status.shape == (count,)
+    assert poses.joints.dtype == poses.mirror_margin.dtype == poses.residual.dtype == np.float32
+    assert (poses.status == "ok").all() and poses.ok.all()
+    assert np.isfinite(poses.joints).all() and (poses.mirror_margin >= 0).all()
+
+
+def test_one_pose_gives_one_pose():
+    batch = edmlift.lift(WALK)
+    for keypoints in (WALK[7], WALK[7, :, :2]):
+        pose = edmlift.lift(keypoints)
+        assert pose.joints.shape == (14, 3) and pose.seen.shape == (14,)
+        assert pose.status == "ok" and pose.ok
+        np.testing.assert_array_equal(pose.joints, batch.joints[7])
+        assert pose.residual == batch.residual[7]
+
+
+def test_without_confidences_all_are_seen():
+    same(edmlift.lift(WALK[..., :2]), edmlift.lift(WALK))
+    corner = WALK[:1, :, :2] - WALK[:1, 3:4, :2]  # the right elbow at 0, 0
+    assert edmlift.lift(corner).seen.all()
+
+
+def test_lists_and_integers_will_do():
+    whole = np.round(WALK[:2]).astype(int)
+    same(edmlift.lift(whole.tolist()), edmlift.lift(whole.astype(np.float32)))
+
+
+def test_no_frames_give_no_poses():
+    poses = edmlift.lift(np.zeros((0, 14, 2)))
+    assert poses.joints.shape == (0, 14, 3) and poses.status.shape == (0,)
+
+
+def test_the_input_is_left_alone():
+    given = WALK[:3].astype(np.float32)
+    given[1, 2, 0] = np.nan
+    before = given.copy()
+    edmlift.lift(given, threshold=0.5)
+    np.testing.assert_array_equal(given, before)
+
+
+def test_results_cannot_be_reassigned():
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        edmlift.lift(WALK).joints = None
+
+
+# ---- What was not seen, and what is not a pose -------------------------------------------------
+
+
+def test_nan_coordinates_are_not_seen():
+    zero, x, both = (WALK[:1].copy() for _ in range(3))
+    zero[0, 4], x[0, 4, 0], both[0, 4, :2] = 0, np.nan, np.nan
+    poses = [edmlift.lift(k) for k in (zero, x, both)]
+    for pose in poses:
+        assert pose.status[0] == "ok" and list(np.flatnonzero(~pose.seen[0])) == [4]
+        np.testing.assert_array_equal(pose.joints, poses[0].joints)
+
+
+def test_confidences_up_to_the_threshold_are_not_seen():
+    keypoints = WALK[:1].copy()
+    keypoints[0, 4, 2], keypoints[0, 7, 2] = 0.3, 0.31
+    assert edmlift.lift(keypoints).seen.all()
+    assert list(np.flatnonzero(~edmlift.lift(keypoints, threshold=0.3).seen[0])) == [4]
+
+
+@pytest.mark.parametrize("threshold", [-0.1, np.nan, np.inf])
+def test_a_threshold_that_is_none(threshold: float):
+    with pytest.raises(ValueError, match="threshold must be a finite number >= 0"):
+        edmlift.lift(WALK, threshold=threshold)
+
+
+BAD = {
+    "too_few_joints": lambda k: k.__setitem__((slice(0, 6), 2), 0),
+    "not_finite": lambda k: k.__setitem__((3, 0), np.inf),
+    "degenerate": lambda k: k.__setitem__((slice(None), slice(0, 2)), 7),
+}
+
+
+@pytest.mark.parametrize("status", BAD)
+@pytest.mark.parametrize("fixed", [False, True])
+def test_bad_input_is_never_a_plausible_pose(status: str, fixed: bool):
+    keypoints = WALK[:3].copy()
+    BAD[status](keypoints[1])
+    poses = edmlift.lift(keypoints, fixed=fixed)
+    assert list(poses.status) == ["ok", status, "ok"]
+    for numbers in (poses.joints[1], poses.mirror_margin[1], poses.residual[1]):
+        assert np.isnan(numbers).all()
+    assert np.isfinite(poses.joints[[0, 2]]).all()
+
+
+def test_numbers_beyond_float_are_not_finite():
+    keypoints = WALK[:1].copy()
+    keypoints[0, 3, 0] = 1e300
+    assert edmlift.lift(keypoints).status[0] == "not_finite"
+
+
+@pytest.mark.parametrize("fixed", [False, True])
+@pytest.mark.parametrize("confidence", [np.nan, np.inf, -np.inf])
+def test_a_confidence_that_is_not_finite_is_refused(confidence: float, fixed: bool):
+    keypoints = WALK[:1].copy()
+    keypoints[0, 3, 2] = confidence
+    assert edmlift.lift(keypoints, fixed=fixed).status[0] == "not_finite"
+    detected = coco17(WALK[:1])
+    detected[0, 7, 2] = confidence
+    assert edmlift.lift(detected, format="coco17", fixed=fixed).status[0] == "not_finite"
+
+
+# ---- Formats -----------------------------------------------------------------------------------
+
+
+def test_formats_are_those_of_the_header():
+    names = set(re.findall(r"\bedml_(\w+)(?=[,;])", "".join(
+        re.findall(r"extern const edml_format (edml_[^*]*?;)", HEADERS)
+    )))  # fmt: skip
+    assert set(edmlift.FORMATS) == names
+    assert edmlift.FORMATS["coco17"] == 17 and edmlift.FORMATS["blazepose33"] == 33
+    assert "none" not in edmlift.FORMATS and len(edmlift.FORMATS) == len(names)
+    with pytest.raises(KeyError):
+        edmlift.FORMATS["none"]
+
+
+def test_models_are_those_of_the_header():
+    names = re.findall(r"extern const edml_model (edml_[^;]*);", HEADERS)
+    named = {n.removeprefix("edml_") for line in names for n in re.split(r",\s*", line)}
+    assert set(networks.NAMES) == named == set(edmlift.models())
+    assert edmlift.models(fixed=True) == ("fconn_w16", "fconn_w8", "fconv_w8")
+
+
+def test_a_detectors_keypoints_are_adapted():
+    keypoints = coco17()
+    adapted = edmlift.adapt(keypoints, "coco17")
+    assert adapted.shape == (len(WALK), 14, 3)
+    np.testing.assert_array_equal(adapted[:, 2:], np.float32(WALK[:, 2:]))
+    same(edmlift.lift(keypoints, format="coco17"), edmlift.lift(adapted))
+    assert edmlift.adapt(keypoints[0], "coco17").shape == (14, 3)
+    assert edmlift.lift(keypoints[0], format="coco17").joints.shape == (14, 3)
+
+
+def test_the_threshold_is_applied_before_the_adapter_halves_confidences():
+    keypoints = coco17()
+    keypoints[..., 2] = 0.4  # head and neck get 0.2
+    assert edmlift.lift(keypoints, format="coco17", threshold=0.3).seen.all()
+
+
+def test_proportions_become_pixels():
+    pixels = np.zeros((len(WALK), 33, 3))
+    pixels[:] = WALK[:, :1]
+    pixels[:, [12, 14, 16, 11, 13, 15, 24, 26, 28, 23, 25, 27]] = WALK[:, 2:]
+    proportions = pixels / [1000, 500, 1]
+    poses = edmlift.lift(proportions, format="blazepose33", image=(1000, 500))
+    np.testing.assert_allclose(poses.keypoints[:, 2:], WALK[:, 2:], rtol=1e-5)
+    with pytest.raises(ValueError, match=r"image=\(width, height\)"):
+        edmlift.lift(proportions, format="blazepose33")
+    with pytest.raises(ValueError, match="not in pixels"):
+        edmlift.lift(pixels, format="blazepose33", image=(1000, 500))
+    for image in ((0, 5), (1,), (np.nan, 4)):
+        with pytest.raises(ValueError, match="image must be"):
+            edmlift.lift(proportions, format="blazepose33", image=image)
+    with pytest.raises(ValueError, match="for formats in proportions"):
+        edmlift.lift(WALK, image=(1000, 1000))
+
+
+# ---- Errors ------------------------------------------------------------------------------------
+
+
+def test_unknown_names_list_the_known_ones():
+    with pytest.raises(ValueError, match="'coco'.*coco17, body25"):
+        edmlift.lift(WALK, format="coco")
+    with pytest.raises(ValueError, match="'fconn'.*fconn_f32, fconn_w16, fconn_w8, fconv_f32"):
+        edmlift.lift(WALK, "fconn")
+    with pytest.raises(ValueError, match="'fconn_f32' does not lift in fixed point; .*fconn_w16"):
+        edmlift.lift(WALK, "fconn_f32", fixed=True)
+
+
+@pytest.mark.parametrize("shape", [(14, 4), (5, 13, 3), (1, 5, 14, 3), (14,), (), (5, 14, 1)])
+def test_a_wrong_shape_is_told(shape: tuple[int, ...]):
+    with pytest.raises(ValueError, match=re.escape(f"[F,14,2] or [F,14,3], or one pose without F, "
+                                                   f"not {list(shape)}")):  # fmt: skip
+        edmlift.lift(np.zeros(shape))
+
+
+def test_a_detectors_keypoints_without_a_format():
+    with pytest.raises(ValueError, match="format=, one of coco17, h36m17_right_first"):
+        edmlift.lift(coco17())
+
+
+@pytest.mark.parametrize("given", [[["a"] * 3] * 14, np.zeros((14, 3), complex), None, [{}]])
+def test_what_are_no_numbers(given):
+    with pytest.raises(ValueError, match="must be real numbers"):
+        edmlift.lift(given)
+
+
+# ---- Fixed point and models --------------------------------------------------------------------
+
+
+def test_fixed_point_is_near_float():
+    plain, fixed = edmlift.lift(WALK, "fconn_w16"), edmlift.lift(WALK, fixed=True)
+    assert fixed.ok.all() and fixed.joints.dtype == np.float32
+    assert np.abs(fixed.joints - plain.joints).max() < 1e-3  # metres
+    np.testing.assert_allclose(fixed.keypoints, plain.keypoints, atol=1e-4)
+    keypoints = coco17()
+    adapted = edmlift.lift(keypoints, format="coco17", fixed=True)
+    assert np.abs(adapted.joints - edmlift.lift(keypoints, format="coco17").joints).max() < 1e-2
+
+
+@pytest.mark.parametrize("model", ["fconv_f32", "fconv_w8"])
+def test_fconv_is_a_model_like_any_other(model: str):
+    poses = edmlift.lift(WALK[:6], model)
+    assert poses.ok.all()
+    same(edmlift.lift(WALK[3], model), edmlift.lifting.first(edmlift.lift(WALK[3:4], model)))
+    assert np.abs(poses.joints - edmlift.lift(WALK[:6]).joints).mean() < 0.1
+
+
+# ---- Placing, standing -------------------------------------------------------------------------
+
+
+def test_placing_by_a_camera():
+    poses = edmlift.lift(WALK)
+    placed = edmlift.place(poses, CAMERA)
+    assert (placed.status == "ok").all() and placed.joints.shape == poses.joints.shape
+    turned = np.einsum("fij,fnj->fni", placed.rotation, poses.joints)
+    np.testing.assert_allclose(placed.joints, turned + placed.translation[:, None], atol=1e-4)
+    image = placed.joints[..., :2] / placed.joints[..., 2:] * CAMERA[:2] + CAMERA[2:]
+    assert np.abs(image - WALK[..., :2]).max() < 40  # pixels
+    matrix = np.array([[CAMERA[0], 0, CAMERA[2]], [0, CAMERA[1], CAMERA[3]], [0, 0, 1]])
+    np.testing.assert_array_equal(edmlift.place(poses, matrix).joints, placed.joints)
+    one = edmlift.place(edmlift.lift(WALK[3]), CAMERA)
+    assert one.joints.shape == (14, 3) and one.status == "ok"
+    np.testing.assert_array_equal(one.joints, placed.joints[3])
+
+
+def test_placing_by_the_size_of_the_image():
+    placed = edmlift.place(edmlift.lift(WALK), image=(1000, 1000))
+    assert (placed.status == "ok").all()
+    assert ((placed.focal >= 499) & (placed.focal <= 4001)).all()
+
+
+def test_a_pose_that_was_refused_is_not_placed():
+    keypoints = WALK[:3].copy()
+    keypoints[1, :, 2] = 0
+    placed = edmlift.place(edmlift.lift(keypoints), CAMERA)
+    assert list(placed.status) == ["ok", "too_few_joints", "ok"]
+    assert np.isnan(placed.joints[1]).all() and np.isnan(placed.focal[1])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({}, "either camera"),
+        ({"camera": CAMERA, "image": (9, 9)}, "either camera"),
+        ({"camera": (1, 2, 3)}, "fx, fy, cx, cy"),
+        ({"camera": (0, 1, 2, 3)}, "fx, fy > 0"),
+        ({"camera": np.ones((3, 3))}, r"\[\[fx, 0, cx\]"),
+        ({"image": (0, 9)}, "over 0"),
+    ],
+)
+def test_what_is_no_camera(options: dict, message: str):
+    with pytest.raises(ValueError, match=message):
+        edmlift.place(edmlift.lift(WALK[:1]), **options)
+
+
+def test_standing_on_the_floor():
+    poses = edmlift.lift(WALK)
+    standing = edmlift.stand(poses)
+    assert standing.shape == poses.joints.shape
+    assert (standing[:, 0, 1] > 1.3).all() and (standing[..., 1].min(1) > 0).all()
+    assert edmlift.stand(edmlift.lift(WALK[0]), (0, -2, 0.3)).shape == (14, 3)
+    for up in ((0, 0, 0), (0, np.nan, 1), (0, 1)):
+        with pytest.raises(ValueError, match="up must be"):
+            edmlift.stand(poses, up)
+
+
+# ---- Body, quality, limits ---------------------------------------------------------------------
+
+
+def test_fitting_a_height_and_bones():
+    poses = edmlift.lift(WALK)
+    tall, small = edmlift.fit_body(poses, height=1.95), edmlift.fit_body(poses, height=1.5)
+    assert (tall.status == "ok").all()
+    np.testing.assert_allclose(tall.joints / small.joints, 1.95 / 1.5, rtol=2e-3)
+    known = edmlift.fit_body(poses, bones={"left_elbow": 0.25})
+    np.testing.assert_allclose(
+        np.linalg.norm(known.joints[:, 6] - known.joints[:, 5], axis=-1), 0.25, atol=1e-5
+    )
+    array = np.zeros(13)
+    array[[end for _, end in edmlift.BONES].index(6)] = 0.25
+    np.testing.assert_array_equal(edmlift.fit_body(poses, bones=array).joints, known.joints)
+    one = edmlift.fit_body(edmlift.lift(WALK[2]), height=1.95)
+    np.testing.assert_array_equal(one.joints, tall.joints[2])
+    assert one.status == "ok"
+
+
+def test_a_body_that_is_none():
+    poses = edmlift.lift(WALK[:2])
+    fitted = edmlift.fit_body(poses, height=[1.8, 9])
+    assert list(fitted.status) == ["ok", "body"]
+    assert np.isnan(fitted.joints[1]).all()
+    with pytest.raises(ValueError, match="'elbow'.*left_elbow"):
+        edmlift.fit_body(poses, bones={"elbow": 0.3})
+    with pytest.raises(ValueError, match="needs height= or bones="):
+        edmlift.fit_body(poses)
+    with pytest.raises(ValueError, match=r"height must be \[2\]"):
+        edmlift.fit_body(poses, height=[1, 2, 3])
+
+
+def test_quality_uncertainty_and_limits():
+    keypoints = WALK[:4].copy()
+    keypoints[1, :, 2] = 0
+    keypoints[2, 4, 2] = 0
+    poses = edmlift.lift(keypoints)
+    for found in (edmlift.quality(poses), edmlift.joint_limits(poses)):
+        assert np.isnan(found[1]) and np.isfinite(found[[0, 2, 3]]).all()
+    assert ((edmlift.quality(poses)[[0, 2, 3]] > 0) & (edmlift.quality(poses)[0] <= 1)).all()
+    metres = edmlift.uncertainty(poses)
+    assert metres.shape == (4, 14) and np.isnan(metres[1]).all()
+    assert 0.02 < metres[0, 4] < metres[2, 4] < 0.3
+    one = edmlift.lift(WALK[0])
+    assert edmlift.quality(one).shape == edmlift.joint_limits(one).shape == ()
+    assert edmlift.quality(one) == edmlift.quality(poses)[0]
+    assert edmlift.uncertainty(one).shape == (14,)
+
+
+def test_reflecting_by_joint_limits():
+    poses = edmlift.lift(WALK)
+    false = dataclasses.replace(poses, joints=poses.joints * np.float32([1, 1, -1]))
+    back, fewer = edmlift.reflect_by_joint_limits(false)
+    told = fewer > 0
+    assert told.mean() > 0.5
+    np.testing.assert_array_equal(back.joints[told], poses.joints[told])
+    assert (back.mirror_margin[told] == 0).all()
+    alone, none = edmlift.reflect_by_joint_limits(edmlift.lift(WALK[0]))
+    assert alone.joints.shape == (14, 3) and none.shape == ()
+
+
+def test_poses_from_elsewhere():
+    lifted = edmlift.lift(WALK)
+    poses = edmlift.Poses.of(lifted.joints)
+    np.testing.assert_array_equal(edmlift.joint_limits(poses), edmlift.joint_limits(lifted))
+    np.testing.assert_array_equal(edmlift.stand(poses), edmlift.stand(lifted))
+    assert not (edmlift.place(poses, CAMERA).status == "ok").any()  # nothing says where it was seen
+    placed = edmlift.place(edmlift.Poses.of(lifted.joints, WALK), CAMERA)
+    np.testing.assert_array_equal(placed.joints, edmlift.place(lifted, CAMERA).joints)
+    with pytest.raises(ValueError, match=r"\[F,14,3\] or \[14,3\]"):
+        edmlift.Poses.of(np.zeros((3, 14, 2)))
+    with pytest.raises(ValueError, match="keypoints must be"):
+        edmlift.Poses.of(lifted.joints, WALK[..., :2])
+
+
+def test_arrays_are_not_poses():
+    for function in (edmlift.quality, edmlift.stand, edmlift.joint_limits, edmlift.uncertainty):
+        with pytest.raises(TypeError, match=r"Poses\.of\(\), not ndarray"):
+            function(WALK)
+
+
+# ---- Video -------------------------------------------------------------------------------------
+
+
+def test_a_video_frame_by_frame_and_at_once():
+    at_once = edmlift.track(WALK, fps=30)
+    assert at_once.ok.all() and list(at_once.elapsed[:4]) == [0, 33, 33, 34]
+    track = edmlift.Track()
+    for i, keypoints in enumerate(WALK):
+        pose = track.lift(keypoints, 1000 * i / 30)
+        np.testing.assert_array_equal(pose.joints, at_once.joints[i])
+    assert pose.joints.shape == (14, 3) and pose.held.shape == (14,) and pose.swapped.shape == (2,)
+    times = np.floor(np.arange(len(WALK)) * 1000 / 30).astype(int)
+    np.testing.assert_array_equal(edmlift.track(WALK, time_ms=times).joints, at_once.joints)
+
+
+def test_what_a_track_reports():
+    keypoints = np.repeat(WALK[:1], 12, 0)
+    keypoints[6, 3] = np.nan
+    keypoints[9] = keypoints[9, edmlift.MIRROR]
+    tracked = edmlift.track(keypoints, fps=30)
+    assert tracked.ok.all()
+    assert list(np.argwhere(tracked.held)[0]) == [6, 3] and tracked.held.sum() == 1
+    assert list(np.flatnonzero(tracked.swapped.all(1))) == [9]
+    np.testing.assert_array_equal(tracked.keypoints[9], tracked.keypoints[8])  # put right
+    assert not tracked.mirrored.any()
+
+
+def test_settings_and_formats_of_a_track():
+    loose = edmlift.Track(jitter_full=0)
+    assert np.abs(loose.lift(WALK, np.arange(39) * 33).joints - edmlift.lift(WALK).joints).max() > 0
+    track = edmlift.Track(format="coco17", threshold=0.1)
+    assert track.lift(coco17()[0], 0).status == "ok"
+    assert edmlift.Track(smooth_image=(-1, 0)).lift(WALK[0], 0).status == "argument"
+
+
+def test_a_video_without_times():
+    for options in ({}, {"fps": 30, "time_ms": [1]}):
+        with pytest.raises(ValueError, match="either fps= or time_ms="):
+            edmlift.track(WALK, **options)
+    with pytest.raises(ValueError, match="fps must be"):
+        edmlift.track(WALK, fps=0)
+    with pytest.raises(ValueError, match=r"times must be \[39\]"):
+        edmlift.track(WALK, time_ms=[1, 2])
+    with pytest.raises(ValueError, match="finite"):
+        edmlift.track(WALK[:1], time_ms=[np.nan])
+    with pytest.raises(ValueError, match="not one"):
+        edmlift.track(WALK[0], fps=30)
+    assert list(edmlift.track(WALK[:2], time_ms=[5, 5]).status) == ["ok", "time"]
+
+
+# ---- The package -------------------------------------------------------------------------------
+
+
+def test_every_public_name_is_documented():
+    for name in edmlift.__all__:
+        thing = getattr(edmlift, name)
+        assert callable(thing) is False or thing.__doc__, name
+    assert (Path(edmlift.__file__).parent / "py.typed").exists()
+    version = re.search(r'EDML_VERSION_STRING "(.+)"', HEADERS)[1]
+    assert edmlift.__version__ == version
+
+
+def test_the_first_screen_lifts_a_pose():
+    keypoints = edmlift.read_keypoints(DATA / "walk.csv")
+    assert edmlift.lift(keypoints).ok.all()

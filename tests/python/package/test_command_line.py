@@ -1,0 +1,192 @@
+"""python -m edmlift: lift, draw, and what it says when it cannot."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from package_support import DATA, LIFT_STDIN, ROOT, WALK, need_library, need_lift_stdin
+
+import edmlift
+from edmlift.cli import main
+
+WALK_CSV, TRUTH = DATA / "walk.csv", DATA / "walk_truth.csv"
+
+
+@pytest.fixture(autouse=True)
+def _library() -> None:
+    need_library()
+
+
+def run(*arguments: str | Path) -> int:
+    return main([str(argument) for argument in arguments])
+
+
+def fails(capsys: pytest.CaptureFixture, *arguments: str | Path) -> str:
+    """The one line that it says when it gives up."""
+    assert run(*arguments) == 1
+    printed = capsys.readouterr()
+    assert printed.out == "" and printed.err.count("\n") == 1
+    assert printed.err.startswith("edmlift: ")
+    return printed.err
+
+
+@pytest.fixture
+def lifted(tmp_path: Path) -> Path:
+    out = tmp_path / "lifted.csv"
+    assert run("lift", WALK_CSV, "--out", out) == 0
+    return out
+
+
+# ---- Lift --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("options", [[], ["--header"], ["--fixed"], ["--model", "fconn_w8"]])
+def test_lift_prints_what_lift_stdin_does(options: list[str], capfd: pytest.CaptureFixture):
+    need_lift_stdin()
+    result = subprocess.run(
+        [LIFT_STDIN, *options], input=WALK_CSV.read_bytes(), capture_output=True, check=True
+    )
+    assert run("lift", WALK_CSV, *options) == 0
+    assert capfd.readouterr().out == result.stdout.decode()
+
+
+def test_lift_as_a_program():
+    command = [sys.executable, "-m", "edmlift", "lift", "-"]
+    result = subprocess.run(
+        command, input=WALK_CSV.read_bytes(), capture_output=True, cwd=ROOT / "tools", check=True
+    )
+    assert result.stdout.count(b"ok,") == len(WALK) and result.stderr == b""
+
+
+def test_a_bad_line_is_said_and_shifts_nothing(tmp_path: Path, capsys: pytest.CaptureFixture):
+    lines = WALK_CSV.read_text().splitlines()[4:7]
+    source = tmp_path / "in.csv"
+    source.write_text("\n".join(["# names", lines[0], "text", lines[1]]))
+    assert run("lift", source) == 1
+    printed = capsys.readouterr()
+    assert [line.split(",")[0] for line in printed.out.splitlines()] == ["ok", "bad_line", "ok"]
+    assert printed.err == (
+        f"edmlift: {source}:3: field 1 is not a number (commas or blanks separate them)\n"
+    )
+
+
+def test_json_lines_keep_their_members(tmp_path: Path, capsys: pytest.CaptureFixture):
+    source = tmp_path / "in.jsonl"
+    source.write_text(json.dumps({"t": 1.5, "keypoints": WALK[0].tolist(), "name": "ä"}) + "\n{}\n")
+    assert run("lift", source) == 1
+    first, second = map(json.loads, capsys.readouterr().out.splitlines())
+    assert first["t"] == 1.5 and first["name"] == "ä" and first["status"] == "ok"
+    assert np.shape(first["joints"]) == (14, 3)
+    assert second == {"status": "bad_line", "joints": None, "mirror_margin": None, "residual": None}
+
+
+def test_a_detectors_format(capsys: pytest.CaptureFixture):
+    source = DATA / "detections" / "street.csv"
+    options = "--format blazepose33 --image 1080,1920 --threshold 0.5".split()
+    assert run("lift", source, *options) == 0
+    statuses = [line.split(",")[0] for line in capsys.readouterr().out.splitlines()]
+    assert statuses[0] == "too_few_joints" and statuses.count("ok") > 0.8 * len(statuses)
+
+
+def test_names(capsys: pytest.CaptureFixture):
+    assert run("models") == 0
+    assert capsys.readouterr().out.split() == list(edmlift.models())
+    assert run("formats") == 0
+    assert "coco17 17\n" in capsys.readouterr().out
+
+
+def test_what_lift_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture):
+    assert "none.csv: No such file" in fails(capsys, "lift", tmp_path / "none.csv")
+    assert "Is a directory" in fails(capsys, "lift", tmp_path)
+    assert "there are coco17" in fails(capsys, "lift", WALK_CSV, "--format", "coco")
+    assert "there are fconn_f32" in fails(capsys, "lift", WALK_CSV, "--model", "fconn")
+    assert "threshold must be" in fails(capsys, "lift", WALK_CSV, "--threshold", "-1")
+    (tmp_path / "in.jsonl").write_text("")
+    assert "not for JSON" in fails(capsys, "lift", tmp_path / "in.jsonl", "--header")
+
+
+@pytest.mark.parametrize("options", [(), ("fly",), ("lift",), ("lift", "x", "--image", "3")])
+def test_wrong_options_have_status_2(options: tuple[str, ...], capsys: pytest.CaptureFixture):
+    with pytest.raises(SystemExit) as exit_:
+        run(*options)
+    assert exit_.value.code == 2
+    assert "usage: edmlift" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [[], ["lift"], ["draw"]])
+def test_help(command: list[str], capsys: pytest.CaptureFixture):
+    with pytest.raises(SystemExit) as exit_:
+        run(*command, "--help")
+    assert exit_.value.code == 0
+    printed = capsys.readouterr().out
+    assert "usage: edmlift" in printed and max(map(len, printed.splitlines())) <= 100
+
+
+def test_a_reader_who_has_seen_enough():
+    command = f"{sys.executable} -m edmlift lift {WALK_CSV} | head -c 10"
+    result = subprocess.run(
+        ["bash", "-c", command], capture_output=True, text=True, cwd=ROOT / "tools"
+    )
+    assert result.stderr == "" and result.returncode == 0
+
+
+# ---- Draw --------------------------------------------------------------------------------------
+
+
+def test_draw_prints_the_errors(tmp_path: Path, lifted: Path, capsys: pytest.CaptureFixture):
+    pytest.importorskip("PIL", reason="no Pillow")
+    for files in ([lifted], []):
+        out = tmp_path / f"walk{len(files)}.png"
+        assert run("draw", WALK_CSV, *files, "--out", out, "--truth", TRUTH, "--pitch", "8.5") == 0
+        printed = capsys.readouterr()
+        assert printed.err == "" and out.stat().st_size > 10_000
+        assert printed.out.startswith("39 of 39 poses lifted; mean error ")
+        assert printed.out.endswith(" mm after rigid alignment\n")
+
+
+def test_draw_needs_no_library_for_what_is_lifted(tmp_path: Path, lifted: Path, monkeypatch):
+    pytest.importorskip("PIL", reason="no Pillow")
+    monkeypatch.setenv("EDMLIFT_LIBRARY", str(tmp_path / "none.so"))
+    assert run("draw", WALK_CSV, lifted, "--out", tmp_path / "x.png", "--frame", "3") == 0
+
+
+def test_draw_the_joints(tmp_path: Path):
+    pytest.importorskip("PIL", reason="no Pillow")
+    assert run("draw", "--joint-diagram", tmp_path / "joints.png") == 0
+    assert (tmp_path / "joints.png").stat().st_size > 5_000
+
+
+def test_draw_leaves_gaps_for_bad_lines(tmp_path: Path, capsys: pytest.CaptureFixture):
+    pytest.importorskip("PIL", reason="no Pillow")
+    lines = WALK_CSV.read_text().splitlines()[4:7]
+    source = tmp_path / "in.csv"
+    source.write_text("\n".join([lines[0], "text", lines[1]]))
+    assert run("draw", source, "--out", tmp_path / "x.png") == 0
+    (tmp_path / "t.csv").write_text("\n".join(TRUTH.read_text().splitlines()[4:7]))
+    assert run("draw", source, "--out", tmp_path / "x.png", "--truth", tmp_path / "t.csv") == 0
+    assert capsys.readouterr().out.startswith("2 of 3 poses lifted; ")
+
+
+def test_what_draw_cannot_do(tmp_path: Path, lifted: Path, capsys: pytest.CaptureFixture):
+    pytest.importorskip("PIL", reason="no Pillow")
+    out = tmp_path / "x.png"
+    kick, kick_truth = DATA / "kick.csv", DATA / "kick_truth.csv"
+    message = fails(capsys, "draw", kick, lifted, "--out", out)
+    assert "kick.csv has 47, " in message and "lifted.csv has 39" in message
+    message = fails(capsys, "draw", WALK_CSV, lifted, "--out", out, "--truth", kick_truth)
+    assert "kick_truth.csv has 47" in message
+    assert "not a pose as lift_stdin" in fails(capsys, "draw", WALK_CSV, WALK_CSV, "--out", out)
+    assert "holds no pose: " in fails(capsys, "draw", lifted, lifted, "--out", out)
+    assert "--frame 39: " in fails(capsys, "draw", WALK_CSV, "--out", out, "--frame", "39")
+    assert "--frames 25: " in fails(capsys, "draw", WALK_CSV, "--out", out, "--frames", "25")
+    gif = tmp_path / "x.gif"
+    assert "whole sequence" in fails(capsys, "draw", WALK_CSV, "--out", gif, "--frames", "3")
+    assert "must end in" in fails(capsys, "draw", WALK_CSV, "--out", tmp_path / "x.jpg")
+    assert "pitch must be" in fails(capsys, "draw", WALK_CSV, "--out", out, "--pitch", "91")
+    assert "--joint-diagram" in fails(capsys, "draw", WALK_CSV)
+    assert "No such file" in fails(capsys, "draw", WALK_CSV, "--out", tmp_path / "no" / "x.png")
+    assert "none.png" in fails(capsys, "draw", WALK_CSV, "--out", out, "--pictures", "none.png")
+    assert not out.exists() and not gif.exists()

@@ -1,0 +1,264 @@
+"""The command line: edmlift lift, draw, models, formats."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from edmlift._version import __version__
+from edmlift.drawing import COLUMNS, MAX_COLUMNS, draw, draw_joint_diagram, spread
+from edmlift.files import (
+    BAD_LINE,
+    Lines,
+    csv_lines,
+    is_json,
+    json_lines,
+    read_lines,
+    read_poses,
+    read_truth,
+)
+from edmlift.formats import FORMATS
+from edmlift.keypoints import read_joints
+from edmlift.lifting import Poses, lift
+from edmlift.metrics import mpjpe
+from edmlift.networks import models
+
+TROUBLE, WRONG_OPTION = 1, 2  # exit statuses; argparse has the second, too
+_DOCUMENTATION = """\
+keypoints: x,y or x,y,c of each joint, a pose a line; or JSON lines, objects with
+"keypoints":[[x,y,c],...], in files that end in .jsonl, .ndjson or .json
+"""
+
+
+class CommandError(Exception):
+    """What is wrong, in one line."""
+
+
+# ---- Options -----------------------------------------------------------------------------------
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="edmlift", description="2D joints of a person in, a 3D pose in metres out."
+    )
+    parser.add_argument("--version", action="version", version=f"edmlift {__version__}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    _add_lift(commands)
+    _add_draw(commands)
+    names = commands.add_parser("models", help="print the names of the networks")
+    names.set_defaults(run=_print_models)
+    names = commands.add_parser("formats", help="print the detectors' formats and their keypoints")
+    names.set_defaults(run=_print_formats)
+    return parser
+
+
+def _add_lift(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser(
+        "lift",
+        help="lift a file of 2D poses to 3D",
+        description="Lifts a file of 2D poses to 3D, a line of input to a line of output.",
+        epilog=_DOCUMENTATION
+        + "\nposes: status,x0,y0,z0,...,x13,y13,z13,mirror_margin,residual in metres; x right, y\n"
+        "down, z away from the camera, origin between the hips.  A pose that cannot be lifted has\n"
+        "another status than ok and empty fields; a line that is not a pose has bad_line, and the\n"
+        "exit status is 1.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("keypoints", help="file of 2D poses; - is the standard input")
+    parser.add_argument("-o", "--out", metavar="FILE", help="default: the standard output")
+    _add_lift_options(parser)
+    parser.add_argument("--fixed", action="store_true", help="lift in fixed point")
+    parser.add_argument("--header", action="store_true", help="names of the columns first")
+    parser.add_argument("--json", action="store_true", help="the standard input is JSON lines")
+    parser.set_defaults(run=_lift)
+
+
+def _add_lift_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--model", metavar="NAME", help="see `edmlift models`")
+    parser.add_argument(
+        "--format", metavar="NAME", help="the detector's, see `edmlift formats` (default: joints)"
+    )
+    parser.add_argument(
+        "--threshold", type=float, default=0.0, metavar="C",
+        help="keypoints with confidence <= C are not seen (default: 0)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--image", type=_size, metavar="W,H", help="size of the image in pixels, for blazepose33"
+    )
+
+
+def _size(text: str) -> tuple[float, float]:
+    width, height = text.split(",")
+    return float(width), float(height)
+
+
+def _add_draw(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser(
+        "draw",
+        help="draw 2D poses beside the 3D ones lifted from them",
+        description="Draws 2D poses beside the 3D ones lifted from them: a .png has a column a\n"
+        "pose, each from the camera, the side and above; a .gif the sequence beside the figure,\n"
+        "which turns.  With --truth, the mean errors are printed as well.",
+        epilog=_DOCUMENTATION,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("keypoints", nargs="?", help="file of 2D poses")
+    parser.add_argument(
+        "lifted", nargs="?", help="3D poses as `edmlift lift` writes them (default: lifts)"
+    )
+    parser.add_argument("--out", metavar="FILE", help="picture: .png or .gif")
+    parser.add_argument(
+        "--joint-diagram", metavar="FILE", help="draw the numbers and names of the joints, no more"
+    )
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument(
+        "--frames", type=int, metavar="N", help=f"columns, 1 to {MAX_COLUMNS} (default: {COLUMNS})"
+    )
+    which.add_argument("--frame", type=int, metavar="I", help="this frame alone, counted from 0")
+    parser.add_argument("--truth", metavar="FILE", help="true 3D poses, 42 numbers a line, metres")
+    parser.add_argument(
+        "--pictures", nargs="+", metavar="FILE",
+        help="what the keypoints were seen in: one picture, or one for each pose",
+    )  # fmt: skip
+    parser.add_argument("--title", help="heading of the picture")
+    parser.add_argument(
+        "--pitch", type=float, default=0.0, metavar="DEGREES",
+        help="by which the camera looked down: the floor is level then (default: 0)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--fps", type=float, default=20.0, help="frames a second of a .gif (default: 20)"
+    )
+    _add_lift_options(parser)
+    parser.set_defaults(run=_draw)
+
+
+# ---- Commands ----------------------------------------------------------------------------------
+
+
+def _print_models(_options: argparse.Namespace) -> int:
+    print(*models(), sep="\n")
+    return 0
+
+
+def _print_formats(_options: argparse.Namespace) -> int:
+    for name, keypoints in FORMATS.items():
+        print(name, keypoints)
+    return 0
+
+
+def _lift(options: argparse.Namespace) -> int:
+    source = options.keypoints
+    as_json = options.json if source == "-" else is_json(source)
+    if as_json and options.header:
+        raise CommandError("--header is for CSV, not for JSON lines")
+    data = sys.stdin.buffer.read() if source == "-" else Path(source).read_bytes()
+    lines = read_lines(data, options.format, as_json)
+    poses = _lift_lines(lines, options)
+    for index, problem in lines.problems.items():
+        print(f"edmlift: {source}:{lines.numbers[index]}: {problem}", file=sys.stderr)
+    text = json_lines(poses, lines.objects) if as_json else csv_lines(poses, options.header)
+    out = "".join(f"{line}\n" for line in text)
+    if options.out is None:
+        sys.stdout.write(out)
+    else:
+        Path(options.out).write_text(out, encoding="utf-8", newline="\n")
+    return TROUBLE if lines.problems else 0
+
+
+def _lift_lines(lines: Lines, options: argparse.Namespace) -> Poses:
+    """Poses of lines; the bad ones have the status of a bad line."""
+    poses = lift(
+        lines.keypoints, options.model, format=options.format, threshold=options.threshold,
+        image=options.image, fixed=options.fixed,
+    )  # fmt: skip
+    bad = np.isin(np.arange(len(lines.numbers)), list(lines.problems))
+    return replace(poses, status=np.where(bad, BAD_LINE, poses.status))
+
+
+def _draw(options: argparse.Namespace) -> int:
+    if options.joint_diagram:
+        draw_joint_diagram(options.joint_diagram)
+        return 0
+    if options.keypoints is None or options.out is None:
+        raise CommandError("draw needs a file of 2D poses and --out, or --joint-diagram")
+    poses = _read_drawn(options)
+    truth = read_truth(options.truth) if options.truth else None
+    if truth is not None and len(truth) != len(poses.joints):
+        raise CommandError(
+            f"the files must hold equally many poses: {options.keypoints} has "
+            f"{len(poses.joints)}, {options.truth} has {len(truth)}"
+        )
+    draw(
+        poses, options.out, truth=truth, title=options.title, pitch=options.pitch,
+        frames=_frames(options, len(poses.joints)), pictures=options.pictures, fps=options.fps,
+    )  # fmt: skip
+    if truth is not None:
+        _print_errors(poses, truth)
+    return 0
+
+
+def _read_drawn(options: argparse.Namespace) -> Poses:
+    """What is drawn: the keypoints of a file, with the poses of another or lifted here."""
+    path = Path(options.keypoints)
+    lines = read_lines(path.read_bytes(), options.format, is_json(path))
+    if len(lines.problems) == len(lines.numbers):
+        raise CommandError(
+            ": ".join([f"{path}: holds no pose", *list(lines.problems.values())[:1]])
+        )
+    if options.lifted is None:
+        options.fixed = False
+        return _lift_lines(lines, options)
+    joints, _ = read_joints(lines.keypoints, options.format, options.threshold, options.image)
+    poses = read_poses(options.lifted)
+    if len(poses.joints) != len(joints):
+        raise CommandError(
+            f"the files must hold equally many poses: {options.keypoints} has {len(joints)}, "
+            f"{options.lifted} has {len(poses.joints)}"
+        )
+    return replace(poses, keypoints=joints, seen=joints[..., 2] > 0)
+
+
+def _frames(options: argparse.Namespace, count: int) -> list[int] | None:
+    """The frames of a sheet; None for all of an animation."""
+    if Path(options.out).suffix.lower() == ".gif":
+        if (options.frame, options.frames) != (None, None):
+            raise CommandError("--frame and --frames are for a .png; a .gif has the whole sequence")
+        return None
+    if options.frame is not None:
+        if not 0 <= options.frame < count:
+            raise CommandError(f"--frame {options.frame}: there are frames 0 to {count - 1}")
+        return [options.frame]
+    if options.frames is not None and not 1 <= options.frames <= MAX_COLUMNS:
+        raise CommandError(f"--frames {options.frames}: must be 1 to {MAX_COLUMNS}")
+    return spread(count, options.frames or COLUMNS)
+
+
+def _print_errors(poses: Poses, truth: np.ndarray) -> None:
+    text = f"{int(poses.ok.sum())} of {len(poses.joints)} poses lifted"
+    if poses.ok.any():
+        root, rigid = (1e3 * mpjpe(poses.joints, truth, align) for align in ("root", "rigid"))
+        text += f"; mean error {root:.1f} mm root-relative, {rigid:.1f} mm after rigid alignment"
+    print(text)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs a command; returns its exit status: 0, 1 for trouble with files, 2 for wrong options."""
+    options = _parser().parse_args(arguments)
+    try:
+        status: int = options.run(options)
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:  # whoever read the output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return TROUBLE
+    except OSError as error:
+        name = f"{error.filename}: " if error.filename else ""
+        message = f"{name}{error.strerror or error}"
+    except (CommandError, ImportError, ValueError) as error:
+        message = str(error)
+    print(f"edmlift: {message}", file=sys.stderr)
+    return TROUBLE

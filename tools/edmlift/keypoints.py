@@ -1,0 +1,170 @@
+"""What callers give, checked and brought to the 14 joints that a lift takes."""
+
+import ctypes
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from edmlift._binding import JOINT_COUNT, KEYPOINT_Q, Format, load, pointer
+from edmlift.formats import FORMATS, find_format
+
+MAX_PROPORTION = 10.0  # of the image's size, that a keypoint outside the image may have
+
+
+def adapt(
+    keypoints: ArrayLike,
+    format: str,
+    *,
+    threshold: float = 0.0,
+    image: tuple[float, float] | None = None,
+) -> NDArray[np.float32]:
+    """A detector's keypoints to the 14 joints: [F,K,2 or 3] -> [F,14,3], [K,2 or 3] -> [14,3].
+
+    keypoints, threshold and image are as in `lift`.  Limbs are copied; head and neck are put where
+    the models have them, with half the least confidence of what they are made of.
+    """
+    given, single = read_keypoints(keypoints, format, threshold, image)
+    joints = adapt_joints(load(), given, find_format(format))
+    return joints[0] if single else joints
+
+
+def read_joints(
+    keypoints: ArrayLike,
+    format: str | None = None,
+    threshold: float = 0.0,
+    image: tuple[float, float] | None = None,
+) -> tuple[NDArray[np.float32], bool]:
+    """The joints [F,14,3] that `lift` is to take, and whether one pose was given without F."""
+    given, single = read_keypoints(keypoints, format, threshold, image)
+    if format is not None:
+        given = adapt_joints(load(), given, find_format(format))
+    return given, single
+
+
+def read_keypoints(
+    keypoints: ArrayLike,
+    format: str | None,
+    threshold: float,
+    image: tuple[float, float] | None,
+) -> tuple[NDArray[np.float32], bool]:
+    """Keypoints [F,K,3] in pixels, c 0 where not seen, and whether one pose was given without F."""
+    layout = None if format is None else find_format(format)
+    count = JOINT_COUNT if layout is None else int(layout.keypoints)
+    array = _numbers(keypoints)
+    if array.ndim not in (2, 3) or array.shape[-2] != count or array.shape[-1] not in (2, 3):
+        raise ValueError(_wrong_shape(array.shape, format, count))
+    if not (np.isfinite(threshold) and threshold >= 0):
+        raise ValueError(f"threshold must be a finite number >= 0, not {threshold}")
+    single = array.ndim == 2
+    seen = _with_confidence(array[None] if single else array, threshold)
+    return _in_pixels(seen, layout, image), single
+
+
+def _numbers(keypoints: ArrayLike) -> NDArray[np.float32]:
+    array = np.asarray(keypoints)
+    if array.dtype.kind not in "iuf":
+        raise ValueError(f"keypoints must be real numbers in one array, not of dtype {array.dtype}")
+    with np.errstate(over="ignore"):  # what is too large becomes infinite, which the lift refuses
+        return array.astype(np.float32)
+
+
+def _wrong_shape(shape: tuple[int, ...], format: str | None, count: int) -> str:
+    what = "the 14 joints" if format is None else f"format {format!r}"
+    text = (
+        f"keypoints of {what} must be [F,{count},2] or [F,{count},3], or one pose without F, "
+        f"not {list(shape)}"
+    )
+    fits = [name for name, n in FORMATS.items() if len(shape) >= 2 and n == shape[-2]]
+    if format is None:
+        text += "; a detector's keypoints need format=, one of " + ", ".join(fits or FORMATS)
+    return text
+
+
+def _with_confidence(array: NDArray[np.float32], threshold: float) -> NDArray[np.float32]:
+    """[F,K,3]: c is 1 where none was given, 0 up to the threshold and where x or y is NaN."""
+    if array.shape[-1] == 2:
+        array = np.concatenate([array, np.ones_like(array[..., :1])], -1)
+    missing = np.isnan(array[..., :2]).any(-1)
+    confidence = array[..., 2]
+    array[missing | (np.isfinite(confidence) & (confidence <= threshold)), 2] = 0
+    array[missing, :2] = 0
+    return array
+
+
+def _in_pixels(
+    keypoints: NDArray[np.float32], layout: Format | None, image: tuple[float, float] | None
+) -> NDArray[np.float32]:
+    if layout is None or not layout.normalised:
+        if image is not None:
+            raise ValueError("image= is for formats in proportions of the image, blazepose33")
+        return keypoints
+    name = layout.name.decode()
+    if image is None:
+        raise ValueError(
+            f"format {name!r} counts in proportions of the image: image=(width, height)"
+        )
+    size = image_size(image)
+    seen = keypoints[keypoints[..., 2] > 0]
+    if (np.abs(seen[:, :2]) > MAX_PROPORTION).any():
+        raise ValueError(f"format {name!r} counts in proportions of the image, not in pixels")
+    return keypoints * np.array([*size, 1], np.float32)
+
+
+def image_size(image: Any) -> tuple[float, float]:
+    """Width and height, checked."""
+    size = np.asarray(image, float)
+    if size.shape != (2,) or not (np.isfinite(size).all() and (size > 0).all()):
+        raise ValueError(f"image must be (width, height) in pixels, both over 0, not {image!r}")
+    return float(size[0]), float(size[1])
+
+
+# ---- For the library, unchecked ----------------------------------------------------------------
+
+
+def adapt_joints(
+    c: ctypes.CDLL, keypoints: NDArray[np.float32], layout: Format
+) -> NDArray[np.float32]:
+    """edml_adapt() of keypoints [F,K,3] in pixels -> [F,14,3]."""
+    keypoints = np.ascontiguousarray(keypoints, np.float32)
+    joints = np.zeros((len(keypoints), JOINT_COUNT, 3), np.float32)
+    for one, out in zip(keypoints, joints, strict=True):
+        c.edml_adapt(pointer(out), pointer(one), ctypes.addressof(layout))
+    return joints
+
+
+def refusable(keypoints: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Keypoints [F,K,3] for to_q16(): a confidence that is not finite has no number in fixed
+    point, but a coordinate that is not finite has one that is refused."""
+    broken = ~np.isfinite(keypoints[..., 2:])
+    return np.where(broken, np.array([-np.inf, 0, 1], np.float32), keypoints)
+
+
+def adapt_joints_q(c: ctypes.CDLL, keypoints: NDArray[np.void], layout: Format) -> NDArray[np.void]:
+    """edml_adapt_q() of keypoints KEYPOINT_Q [F,K] -> [F,14]."""
+    joints = np.zeros((len(keypoints), JOINT_COUNT), KEYPOINT_Q)
+    for one, out in zip(keypoints, joints, strict=True):
+        c.edml_adapt_q(pointer(out), pointer(one), ctypes.addressof(layout))
+    return joints
+
+
+def to_q16(keypoints: ArrayLike) -> NDArray[np.void]:
+    """Keypoints [F,K,3] as KEYPOINT_Q [F,K]; what is out of range, or NaN, its nearest end."""
+    given = np.asarray(keypoints, np.float64)
+    given = np.where(np.isnan(given), -np.inf, given)
+    out = np.zeros(given.shape[:2], KEYPOINT_Q)
+    out["at"] = np.round(np.clip(given[..., :2] * 65536, -(2.0**31), 2.0**31 - 1))
+    out["c"] = np.ceil(np.clip(given[..., 2] * 32768, -(2.0**15), 2.0**15 - 1))
+    return out
+
+
+def seen_bits(seen: NDArray[np.bool_]) -> NDArray[np.uint16]:
+    """Bit j: joint j was seen; [...,14] -> [...]."""
+    bits: NDArray[np.uint16] = (seen @ (1 << np.arange(JOINT_COUNT))).astype(np.uint16)
+    return bits
+
+
+def from_bits(bits: NDArray[np.uint16]) -> NDArray[np.bool_]:
+    """The inverse: [...] -> [...,14]."""
+    flags: NDArray[np.bool_] = (bits[..., None] >> np.arange(JOINT_COUNT) & 1) == 1
+    return flags

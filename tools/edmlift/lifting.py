@@ -1,0 +1,206 @@
+"""2D joints in, 3D poses out."""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, fields, replace
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from edmlift._binding import JOINT_COUNT, OK, POSE, POSE_Q, load, pointer
+from edmlift.formats import find_format
+from edmlift.keypoints import (
+    adapt_joints,
+    adapt_joints_q,
+    from_bits,
+    read_keypoints,
+    refusable,
+    seen_bits,
+    to_q16,
+)
+from edmlift.networks import Model, find_model
+
+_THREADED = "fconv"  # models so slow that poses are lifted side by side
+_Record = TypeVar("_Record")
+
+
+@dataclass(frozen=True)
+class Poses:
+    """F poses, or one without the leading axis; numbers are NaN where status is not "ok"."""
+
+    joints: NDArray[np.float32]  # [F,14,3] metres; x right, y down, z away; origin at mid-hip
+    mirror_margin: NDArray[np.float32]  # [F] >= 0: log-odds that the mirror image is wrong
+    residual: NDArray[np.float32]  # [F] metres: how far the predicted distances disagree
+    status: NDArray[np.str_]  # [F] "ok", or why there is no pose
+    seen: NDArray[np.bool_]  # [F,14] in the image
+    keypoints: NDArray[np.float32]  # [F,14,3] pixels and confidence that the poses come from
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """[F] whether there is a pose."""
+        return np.asarray(np.asarray(self.status) == "ok")
+
+    @classmethod
+    def of(
+        cls, joints: ArrayLike, keypoints: ArrayLike | None = None, status: ArrayLike = "ok"
+    ) -> "Poses":
+        """Poses from elsewhere, joints [F,14,3] or [14,3], for the functions that take poses.
+
+        keypoints, of the shape of joints, are where they were seen; without them every joint counts
+        as seen, and what needs the image (`place`, `quality`) refuses.
+        """
+        points = np.asarray(joints, np.float32)
+        if points.ndim not in (2, 3) or points.shape[-2:] != (JOINT_COUNT, 3):
+            raise ValueError(f"joints must be [F,14,3] or [14,3], not {list(points.shape)}")
+        image = np.asarray(np.nan if keypoints is None else keypoints, np.float32)
+        if keypoints is not None and image.shape != points.shape:
+            raise ValueError(f"keypoints must be {list(points.shape)}, not {list(image.shape)}")
+        image = np.broadcast_to(image, points.shape)
+        nothing = np.full(points.shape[:-2], np.nan, np.float32)
+        statuses = np.broadcast_to(np.asarray(status, np.str_), points.shape[:-2])
+        seen = np.ones(points.shape[:-1], bool) if keypoints is None else image[..., 2] > 0
+        return cls(points, nothing, nothing, statuses, seen, image)
+
+
+def lift(
+    keypoints: ArrayLike,
+    model: str | None = None,
+    *,
+    format: str | None = None,
+    threshold: float = 0.0,
+    image: tuple[float, float] | None = None,
+    fixed: bool = False,
+) -> Poses:
+    """Lifts 2D poses to 3D (the paper's section 3).
+
+    keypoints  [F,K,2] x and y, or [F,K,3] with a confidence; or one pose without F.  Pixels, y
+               down, of any size and offset.  [.., 2] means that all were seen.  NaN in x or y
+               means not seen.
+    model      one of `models()`; default "fconn_f32", with `fixed` "fconn_w16"
+    format     the detector's keypoint order, one of FORMATS, such as "coco17".  Default: K is 14
+               and the keypoints are JOINTS, as `adapt` returns them.
+    threshold  a confidence up to this counts as not seen.  Default 0, as in the C library: a low
+               confidence of a detector that guesses well is worth having.  For one whose unseen
+               keypoints lie anywhere (MoveNet, PoseNet), 0.3 is usual.
+    image      (width, height) in pixels, for "blazepose33", which counts in proportions of it
+    fixed      lift in fixed point, to the bits of a core without an FPU; coordinates within 8192
+
+    Returns Poses; one pose for one.  A pose that cannot be lifted has a status and NaN:
+    "too_few_joints" (fewer than 10 seen), "not_finite", "degenerate" (on a point or a line, or
+    like no person), "aspect" (too wide for its height).  ValueError: the arguments are wrong.
+    """
+    chosen = find_model(model, fixed)
+    given, single = read_keypoints(keypoints, format, threshold, image)
+    layout = None if format is None else find_format(format)
+    if fixed:
+        given_q = to_q16(refusable(given))
+        joints_q = given_q if layout is None else adapt_joints_q(load(), given_q, layout)
+        poses = lift_joints_q(chosen, joints_q)
+    else:
+        poses = lift_joints(
+            chosen, given if layout is None else adapt_joints(load(), given, layout)
+        )
+    return first(poses) if single else poses
+
+
+def first(record: _Record) -> _Record:
+    """The first pose of a record of arrays, without the leading axis."""
+    return replace(record, **{f.name: getattr(record, f.name)[0] for f in fields(record)})  # type: ignore[type-var, arg-type]
+
+
+def batched(poses: Poses) -> tuple[Poses, bool]:
+    """Poses with a leading axis, and whether it was missing."""
+    if not isinstance(poses, Poses):
+        raise TypeError(f"takes Poses, as of lift() or Poses.of(), not {type(poses).__name__}")
+    single = poses.joints.ndim == 2
+    if not single:
+        return poses, False
+    parts = {f.name: np.asarray(getattr(poses, f.name))[None] for f in fields(poses)}
+    return replace(poses, **parts), True
+
+
+# ---- For the library, unchecked ----------------------------------------------------------------
+
+
+def lift_joints(model: Model, joints: NDArray[np.float32]) -> Poses:
+    """edml_lift() of joints [F,14,3]."""
+    joints = np.ascontiguousarray(joints, np.float32)
+    poses, status = _call(model, model.c.edml_lift, joints, POSE)
+    return to_poses(model, poses, status, joints, 1)
+
+
+def lift_joints_q(model: Model, joints: NDArray[np.void]) -> Poses:
+    """edml_lift_q() of joints KEYPOINT_Q [F,14]."""
+    poses, status = _call(model, model.c.edml_lift_q, joints, POSE_Q)
+    keypoints = np.concatenate([joints["at"] / 65536, joints["c"][..., None] / 32768], -1)
+    return to_poses(model, poses, status, keypoints.astype(np.float32), 1 / 65536)
+
+
+def _call(
+    model: Model, function: Any, joints: NDArray[Any], kind: np.dtype[np.void]
+) -> tuple[NDArray[np.void], NDArray[np.int32]]:
+    """Poses [F] and status [F] of a C function that lifts one."""
+    poses, status = np.zeros(len(joints), kind), np.zeros(len(joints), np.int32)
+
+    def run(start: int, step: int) -> None:
+        work = model.work()
+        for i in range(start, len(joints), step):
+            source = joints.ctypes.data + i * joints.strides[0]
+            target = poses.ctypes.data + i * kind.itemsize
+            status[i] = function(target, source, model.address, work, model.work_bytes)
+
+    if model.name.startswith(_THREADED):
+        side_by_side(run)
+    else:
+        run(0, 1)
+    return poses, status
+
+
+def side_by_side(run: Callable[[int, int], None]) -> None:
+    """run(start, step) for each processor: while C runs, so may another."""
+    threads = os.cpu_count() or 1
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(run, range(threads), [threads] * threads))
+
+
+def to_poses(
+    model: Model,
+    poses: NDArray[np.void],
+    status: NDArray[np.int32],
+    keypoints: NDArray[np.float32],
+    unit: float,
+) -> Poses:
+    """C's poses, in metres, NaN where one has a status."""
+    names = ("joint", "mirror_margin", "residual")
+    joints, margin, residual = (
+        (poses[name] * np.float32(unit)).astype(np.float32) for name in names
+    )
+    for array in (joints, margin, residual):
+        array[status != OK] = np.nan
+    seen = from_bits(np.where(status == OK, poses["seen"], seen_bits(keypoints[..., 2] > 0)))
+    return Poses(joints, margin, residual, status_names(model.c, status), seen, keypoints)
+
+
+def status_names(c: Any, status: NDArray[np.int32]) -> NDArray[np.str_]:
+    """The names of statuses [F]."""
+    names = {int(code): c.edml_status_name(int(code)).decode() for code in np.unique(status)}
+    return np.array([names[int(code)] for code in status], np.str_)
+
+
+def c_poses(poses: Poses) -> NDArray[np.void]:
+    """Poses [F] as edml_pose."""
+    given = np.zeros(len(poses.joints), POSE)
+    given["joint"], given["residual"] = poses.joints, poses.residual
+    given["mirror_margin"], given["seen"] = poses.mirror_margin, seen_bits(poses.seen)
+    return given
+
+
+def pointers(*arrays: NDArray[Any]) -> list[list[int]]:
+    """The addresses of each row of arrays of F rows: a list of F lists."""
+    first_rows, strides = [pointer(a) for a in arrays], [a.strides[0] for a in arrays]
+    return [
+        [start + i * stride for start, stride in zip(first_rows, strides, strict=True)]
+        for i in range(len(arrays[0]))
+    ]

@@ -1,0 +1,133 @@
+"""One person in a video: lifts its frames, each made steady by those before."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from edmlift._binding import OK, POSE, TRACK, pointer
+from edmlift.keypoints import from_bits, read_joints
+from edmlift.lifting import Poses, first, pointers, to_poses
+from edmlift.networks import Model, find_model
+
+_ARMS, _LEGS = 1, 2  # EDML_SWAPPED_ARMS, EDML_SWAPPED_LEGS
+
+
+@dataclass(frozen=True)
+class Tracked(Poses):
+    """Poses of a video.  keypoints are with left and right as the track took them; `seen` says
+    what was seen in this frame, mirror_margin what all frames so far say, at most 6."""
+
+    held: NDArray[np.bool_]  # [F,14] not seen in this frame, but lately
+    swapped: NDArray[np.bool_]  # [F,2] the detector had exchanged right and left arm; leg
+    mirrored: NDArray[np.bool_]  # [F] not the mirror image that this frame alone would give
+    elapsed: NDArray[np.uint32]  # [F] ms since the frame before; 0 at a start
+
+
+class Track:
+    """The state of one person's video; one for each person.
+
+        track = edmlift.Track(format="coco17")
+        for keypoints, time_ms in frames:
+            pose = track.lift(keypoints, time_ms)
+
+    model, format, threshold and image are as in `lift`.  smooth_image and smooth_space are
+    (cutoff in Hz, slope) of the one-euro filters of keypoints and poses, by default as measured;
+    jitter_full is the jitter of keypoints, in sizes of the body, at which these filters are
+    applied in full (0: always).  docs/video.md has what they give.
+    """
+
+    def __init__(
+        self,
+        model: str | None = None,
+        *,
+        format: str | None = None,
+        threshold: float = 0.0,
+        image: tuple[float, float] | None = None,
+        smooth_image: tuple[float, float] | None = None,
+        smooth_space: tuple[float, float] | None = None,
+        jitter_full: float | None = None,
+    ):
+        self._frames = TrackedFrames(find_model(model))
+        self._format, self._threshold, self._image = format, threshold, image
+        state = self._frames.state
+        if smooth_image is not None:
+            state["smooth_image"] = smooth_image
+        if smooth_space is not None:
+            state["smooth_space"] = smooth_space
+        if jitter_full is not None:
+            state["jitter_full"] = jitter_full
+
+    def lift(self, keypoints: ArrayLike, time_ms: ArrayLike) -> Tracked:
+        """Lifts the next frame, or the next F frames with F times.
+
+        time_ms  milliseconds by any clock, ascending
+
+        Statuses besides those of `edmlift.lift`: "time" (not later than the frame before, or by
+        more than 24 days) and "argument" (settings out of range); the track is then as before.
+        """
+        joints, single = read_joints(keypoints, self._format, self._threshold, self._image)
+        tracked = self._frames.lift(joints, np.atleast_1d(np.asarray(time_ms)))
+        return first(tracked) if single else tracked
+
+
+def track(
+    keypoints: ArrayLike,
+    *,
+    fps: float | None = None,
+    time_ms: ArrayLike | None = None,
+    model: str | None = None,
+    format: str | None = None,
+    threshold: float = 0.0,
+    image: tuple[float, float] | None = None,
+) -> Tracked:
+    """Lifts a whole video of one person: keypoints [F,K,2 or 3], as in `lift`, at so many frames a
+    second or at times [F] in milliseconds.  `Track` takes the frames as they come, and settings."""
+    if (fps is None) == (time_ms is None):
+        raise ValueError("track() takes either fps= or time_ms=")
+    if fps is not None and not (np.isfinite(fps) and 0 < fps <= 1000):
+        raise ValueError(f"fps must be over 0 and at most 1000, not {fps}")
+    joints, single = read_joints(keypoints, format, threshold, image)
+    if single:
+        raise ValueError("track() takes frames [F,K,2] or [F,K,3], not one; Track takes one")
+    times = time_ms if fps is None else np.arange(len(joints)) * 1000 / fps
+    return TrackedFrames(find_model(model)).lift(joints, np.asarray(times))
+
+
+# ---- For the library, unchecked ----------------------------------------------------------------
+
+
+class TrackedFrames:
+    """edml_track_lift() of joints; `state`, a TRACK, holds the settings, too."""
+
+    def __init__(self, model: Model):
+        self._model = model
+        self._work = model.work()
+        self.state = np.zeros(1, TRACK)
+        model.c.edml_track_start(pointer(self.state))
+
+    def lift(self, joints: NDArray[np.float32], time_ms: NDArray[np.generic]) -> Tracked:
+        """Lifts joints [F,14,3] that were seen at times [F], ms."""
+        if time_ms.shape != joints.shape[:1]:
+            raise ValueError(f"times must be [{len(joints)}], not {list(time_ms.shape)}")
+        if time_ms.dtype.kind not in "iuf" or not np.isfinite(time_ms).all():
+            raise ValueError("times must be finite numbers of milliseconds")
+        times = np.floor(time_ms.astype(np.float64)) if time_ms.dtype.kind == "f" else time_ms
+        model, joints = self._model, np.array(joints, np.float32)
+        poses, reports = np.zeros(len(joints), POSE), np.zeros(len(joints), TRACK)
+        status = np.zeros(len(joints), np.int32)
+        for i, (pose, seen) in enumerate(pointers(poses, joints)):
+            status[i] = model.c.edml_track_lift(
+                pose, pointer(self.state), seen, int(times[i]) & 0xFFFFFFFF,
+                model.address, self._work, model.work_bytes,
+            )  # fmt: skip
+            if status[i] == OK:
+                reports[i] = self.state[0]
+                model.c.edml_track_swap_sides(seen, pointer(self.state))
+        lifted = to_poses(model, poses, status, joints, 1)
+        swapped = reports["swapped"][:, None] & np.array([_ARMS, _LEGS]) != 0
+        parts = {f.name: getattr(lifted, f.name) for f in fields(lifted)}
+        return Tracked(
+            **parts, held=from_bits(reports["held"]), swapped=swapped,
+            mirrored=reports["mirrored"] != 0, elapsed=reports["elapsed"],
+        )  # fmt: skip
