@@ -171,7 +171,7 @@ def test_angles_and_rotations():
 def test_the_tables_are_those_of_the_page(library):
     figures = evaluate_camera.evaluate(library, load_motion(DATA / "cmu14_test.npz"))
     table = evaluate_camera.markdown(figures)
-    assert marks.read(ROOT / "docs" / "camera.md", "camera").strip() == table.strip()
+    assert marks.read(ROOT / "docs" / "where-in-the-room.md", "camera").strip() == table.strip()
     assert figures["true pose, gt"]["root"] < 0.1  # cm
     assert figures["true pose, gt"]["rotation"] < 0.01
 

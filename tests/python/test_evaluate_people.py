@@ -119,6 +119,6 @@ def test_bars_and_marks_have_the_figures():
 
 
 def test_the_page_has_the_results():
-    page = SCRIPT.parents[1] / "docs" / "accuracy.md"
+    page = SCRIPT.parents[1] / "docs" / "accuracy-log.md"
     errors = json.loads(evaluate_people.RESULTS.read_text())["errors"]
     assert marks.read(page, "people").strip() == evaluate_people.markdown(errors).strip()

@@ -19,7 +19,7 @@ from edmlift.joints import JOINTS, MIRROR, mid_hip
 from mocap import Motion, load_motion, save_motion
 
 DATA = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
-PAGE = ROOT / "docs" / "accuracy.md"
+PAGE = ROOT / "docs" / "accuracy-log.md"
 CLIPS = ("walk", "kick", "cartwheel", "tpose")
 
 
