@@ -153,3 +153,32 @@ def test_first_pose_shows_the_beginning_of_what_is_printed(printed: dict[str, st
     for name in ("lift", "fixed"):
         begin = "".join(printed[name].splitlines(keepends=True)[:3]) + "...\n"
         assert begin in shown, begin
+
+
+@pytest.mark.parametrize(
+    "compiler, name", [("cc", "lift"), ("arm-none-eabi-gcc", "fixed"), ("cmake", "")]
+)
+def test_the_commands_of_first_pose_work(
+    compiler: str, name: str, printed: dict[str, str], tmp_path: Path
+) -> None:
+    """As they are written, in a folder that looks like a clone."""
+    (commands,) = [
+        block
+        for block in blocks(ROOT / "docs" / "first-pose.md", "sh")
+        if block.startswith(f"{compiler} ")
+    ]
+    programs = set(re.findall(r"^(cc|cmake|[a-z-]+-gcc|qemu[\w-]+)", commands, re.M))
+    if missing := [program for program in programs if shutil.which(program) is None]:
+        pytest.skip(f"no {missing[0]}")
+    for folder in ("cmake", "examples", "gen", "include", "lib", "CMakeLists.txt"):
+        (tmp_path / folder).symlink_to(ROOT / folder)
+    done = subprocess.run(
+        ["sh", "-e", "-c", commands], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT, text=True, cwd=tmp_path, timeout=600,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+    if name:
+        assert done.stdout.endswith(printed[name])  # QEMU prints to stderr
+    else:
+        lines = (tmp_path / "lifted.csv").read_text().splitlines()
+        assert len(lines) == 40 and lines[1].startswith("ok,")
