@@ -1,5 +1,5 @@
-"""Writes tests/fconv_vectors.h: what tools/reference.py and tools/quantise.py make of the small
-network in tests/fconv_tiny.h.
+"""Writes tests/fconv_vectors.h: what tools/model/reference.py and tools/export/quantise.py make of
+the small network in tests/fconv_tiny.h.
 
     make_fconv_vectors.py [FILE]
 """
@@ -12,9 +12,9 @@ import numpy as np
 TESTS = Path(__file__).resolve().parent
 sys.path.insert(0, str(TESTS.parent / "tools"))
 
-import reference  # noqa: E402
-from fconv_weights import NAMES, PLAN, UP_ORDER  # noqa: E402
-from quantise import ACTIVATION, FARTHEST, Dense, run  # noqa: E402
+from export.fconv import NAMES, PLAN, UP_ORDER  # noqa: E402
+from export.quantise import ACTIVATION, FARTHEST, Dense, run  # noqa: E402
+from model import reference  # noqa: E402
 
 # As tests/fconv_tiny.h has them: inputs' and outputs' channels, and the scale of the weights.
 LAYERS = ((1, 8, 9), (8, 16, 10), (16, 8, 10), (8, 16, 9), (16, 1, 11))
@@ -36,7 +36,7 @@ class Draws:
 
 
 def tiny_network() -> list[Dense]:
-    """The layers in whole numbers, inputs in the order [y, x, in]."""
+    """The layers in integers, inputs in the order [y, x, in]."""
     draws, network = Draws(), []
     for k, (channels, outputs, scale) in enumerate(LAYERS):
         last = k == len(LAYERS) - 1
@@ -53,14 +53,14 @@ def tiny_network() -> list[Dense]:
         bias = draws.draw(outputs) * (1 << 2 + scale)
         if last:
             bias[0] = 3 << 10 + scale
-        shift, most = (33 + scale - 24, FARTHEST) if last else (20 + scale, ACTIVATION)
-        factor = np.full(outputs, 1 << 20)
-        network.append(Dense(kernel.reshape(-1, outputs), bias, factor, shift, most))
+        shift, clamp = (33 + scale - 24, FARTHEST) if last else (20 + scale, ACTIVATION)
+        multiplier = np.full(outputs, 1 << 20)
+        network.append(Dense(kernel.reshape(-1, outputs), bias, multiplier, shift, clamp))
     return network
 
 
 def as_floats(network: list[Dense]) -> dict[str, np.ndarray]:
-    """The same network as tools/reference.py takes it."""
+    """The same network as tools/model/reference.py takes it."""
     params = {}
     for name, (channels, outputs, scale), dense in zip(NAMES, LAYERS, network, strict=True):
         shape = (channels,) if name == "conv3" else (7, 7, channels, outputs)
@@ -99,7 +99,7 @@ def vectors() -> str:
 typedef struct {{
     int16_t edm[91];     /* Q12 */
     double distance[91]; /* in double */
-    int32_t whole[91];   /* in whole numbers, Q24 */
+    int32_t whole[91];   /* in integers, Q24 */
 }} fconv_vector;
 
 static const fconv_vector fconv_vectors[{CASES}] = {{

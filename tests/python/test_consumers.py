@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from builds import need
 
-from firmware import INCLUDES, ROOT, SOURCES, ToolError, library_flags, run
+from reports.targets import INCLUDES, ROOT, SOURCES, ToolError, library_flags, run
 
 CONSUMER = ROOT / "tests" / "install"
 SAID = "ok left_ankle\n"
