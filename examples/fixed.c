@@ -3,8 +3,8 @@
 
 #include "edmlift/fixed.h"
 
-#define PIXELS(n) ((n) * 65536) /* Q16 */
-enum { SEEN = 32767, NOT_SEEN = 0 }; /* confidences: 32767 is 1 */
+#define PIXELS(n) ((int32_t)(n) * 65536) /* Q16 */
+enum { SEEN = 32767, NOT_SEEN = 0 };     /* confidences: 32767 is 1 */
 
 static edml_work_q work; /* 3.9 KB */
 
@@ -15,18 +15,18 @@ int main(void)
     static const edml_keypoint_q in[EDML_JOINTS] = {
         {PIXELS(512), PIXELS(254), SEEN}, /* head */
         {PIXELS(509), PIXELS(336), SEEN}, /* neck base */
-        {PIXELS(461), PIXELS(318), SEEN}, /* right shoulder, elbow, wrist */
-        {PIXELS(452), PIXELS(387), SEEN},
-        {PIXELS(489), PIXELS(440), SEEN},
-        {PIXELS(556), PIXELS(317), SEEN}, /* left shoulder, elbow, wrist */
-        {PIXELS(571), PIXELS(389), SEEN},
-        {PIXELS(0), PIXELS(0), NOT_SEEN},
-        {PIXELS(478), PIXELS(466), SEEN}, /* right hip, knee, ankle */
-        {PIXELS(470), PIXELS(561), SEEN},
-        {PIXELS(463), PIXELS(655), SEEN},
-        {PIXELS(537), PIXELS(465), SEEN}, /* left hip, knee, ankle */
-        {PIXELS(551), PIXELS(556), SEEN},
-        {PIXELS(590), PIXELS(640), SEEN},
+        {PIXELS(461), PIXELS(318), SEEN}, /* right shoulder */
+        {PIXELS(452), PIXELS(387), SEEN}, /* right elbow */
+        {PIXELS(489), PIXELS(440), SEEN}, /* right wrist */
+        {PIXELS(556), PIXELS(317), SEEN}, /* left shoulder */
+        {PIXELS(571), PIXELS(389), SEEN}, /* left elbow */
+        {PIXELS(0), PIXELS(0), NOT_SEEN}, /* left wrist */
+        {PIXELS(478), PIXELS(466), SEEN}, /* right hip */
+        {PIXELS(470), PIXELS(561), SEEN}, /* right knee */
+        {PIXELS(463), PIXELS(655), SEEN}, /* right ankle */
+        {PIXELS(537), PIXELS(465), SEEN}, /* left hip */
+        {PIXELS(551), PIXELS(556), SEEN}, /* left knee */
+        {PIXELS(590), PIXELS(640), SEEN}, /* left ankle */
     };
     edml_pose_q pose;
     edml_status status = edml_lift_q(&pose, in, &edml_fconn_w16, &work, sizeof work);

@@ -5,7 +5,8 @@
 #include "edmlift.h"
 #include "edmlift/video.h"
 
-static const int32_t walk[][3 * EDML_JOINTS] = { /* 30 frames a second: x, y in 1/100 pixel, confidence */
+static const int32_t walk[][3 * EDML_JOINTS] = {
+    /* 30 frames a second: x, y in 1/100 pixel, confidence */
 #include "firmware/walk.inc"
 };
 enum { FRAMES = (int)(sizeof walk / sizeof walk[0]) };
@@ -33,8 +34,8 @@ int main(void)
         edml_pose pose;
         const uint32_t time_ms = (uint32_t)frame * 1000 / 30;
         detect(in, frame);
-        edml_status status =
-            edml_track_lift(&pose, &track, in, time_ms, &edml_fconn_w16, &work, sizeof work);
+        edml_status status = edml_track_lift(&pose, &track, in, time_ms, &edml_fconn_w16, &work,
+                                             sizeof work);
         if (status != EDML_OK) { /* the track is as before; the next frame may be lifted */
             printf("frame %2d: %s\n", frame, edml_status_name(status));
             continue;
