@@ -5,7 +5,7 @@
 typedef struct {
     int16_t edm[91];     /* Q12 */
     double distance[91]; /* in double */
-    int32_t whole[91];   /* in whole numbers, Q24 */
+    int32_t whole[91];   /* in integers, Q24 */
 } fconv_vector;
 
 static const fconv_vector fconv_vectors[6] = {

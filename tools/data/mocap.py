@@ -1,10 +1,11 @@
 """Motion capture to poses of the project's 14 joints: metres, world frame, y up.
 
-    run.py data.mocap FOLDER --out FILE.npz
+    run.py data.mocap FOLDER --out FILE.npz [--set train]
 
-reads every ASF/AMC trial (CMU's layout: NN/NN.asf, NN/NN_TT.amc) and BVH file below a folder,
-drops bad frames, thins the rest and writes one .npz.  `load_motion` reads such an .npz, or a
-folder directly.  A broken file raises `MocapError`, whose message names the file and the line.
+reads every ASF/AMC trial (CMU's layout: NN/NN.asf, NN/NN_TT.amc) and BVH file below a folder, or
+with --set those of CMU's that tools/data/cmu.py lists; drops bad frames, thins the rest and writes
+one .npz.  `load_motion` reads such an .npz, or a folder directly.  A broken file raises
+`MocapError`, whose message names the file and the line.
 """
 
 import argparse
@@ -21,6 +22,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from tqdm import tqdm
 
+from data.cmu import SETS, Trials
 from edmlift.joints import INDEX, JOINTS, indices, mid_hip
 
 AMC_FPS = 120.0  # CMU's rate; an AMC file does not say
@@ -604,12 +606,17 @@ def _too_fast(trial: Trial, bad: np.ndarray, cleaning: Cleaning) -> np.ndarray:
 # Folders and .npz files
 
 
-def read_folder(folder: Path, cleaning: Cleaning | None = None) -> Motion:
-    """Reads every trial below a folder; broken files are reported on stderr and skipped."""
+def read_folder(
+    folder: Path, cleaning: Cleaning | None = None, only: Trials | None = None
+) -> Motion:
+    """Reads every trial below a folder, or `only` some; broken files are reported on stderr and
+    skipped."""
     cleaning = cleaning or Cleaning()
     paths = sorted(p for p in folder.rglob("*") if p.suffix.lower() in (".amc", ".bvh"))
+    if only is not None:
+        paths = [path for path in paths if _numbers_of(path) in only]
     if not paths:
-        raise MocapError(f"{folder}: no .amc or .bvh file")
+        raise MocapError(f"{folder}: no .amc or .bvh file{'' if only is None else ' of the set'}")
     skeletons: dict[Path, Skeleton] = {}
     parts = []
     for path in tqdm(paths, desc=folder.name, unit="file", disable=None):
@@ -648,6 +655,12 @@ def _read_trial(
     frame = clean(trial, cleaning)
     subject = np.full(len(frame), int(numbers[1]))
     return trial.joints[frame], subject, np.full(len(frame), int(numbers[2])), frame
+
+
+def _numbers_of(path: Path) -> tuple[int, int] | None:
+    """Subject and trial of a file name; None if it has none."""
+    numbers = re.match(r"(\d+)_(\d+)", path.name)
+    return (int(numbers[1]), int(numbers[2])) if numbers else None
 
 
 def load_motion(path: Path) -> Motion:
@@ -747,6 +760,7 @@ def main() -> int:
     )
     parser.add_argument("folder", type=Path, help="file names must begin with SUBJECT_TRIAL")
     parser.add_argument("--out", type=Path, required=True, help="the .npz file to write")
+    parser.add_argument("--set", choices=SETS, help="only the trials of CMU's that we use")
     parser.add_argument(
         "--fps", type=float, default=defaults.fps, help="thin to this rate; default %(default)g"
     )
@@ -792,7 +806,8 @@ def main() -> int:
             bvh_unit=args.bvh_unit,
             offsets=read_asf(args.offsets) if args.offsets else None,
         )
-        save_motion(read_folder(args.folder, cleaning), args.out, args.fps)
+        only = SETS[args.set] if args.set else None
+        save_motion(read_folder(args.folder, cleaning, only), args.out, args.fps)
     except MocapError as error:
         print(f"mocap: {error}", file=sys.stderr)
         return 1

@@ -18,7 +18,7 @@ from data.mocap import Motion
 from data.views import Column, views
 from edmlift.joints import mid_hip
 from edmlift.library import Library, Placements
-from edmlift.metrics import procrustes
+from edmlift.metrics import best_rotation
 from evaluation.command import Evaluation, Tables, load
 from evaluation.measures import by_subject
 from reports.markdown import table
@@ -44,10 +44,7 @@ ROWS = {
 
 def rotation_between(points: np.ndarray, onto: np.ndarray) -> np.ndarray:
     """Rotations [F,3,3] that align points [F,14,3] best with others."""
-    centred = points - points.mean(1, keepdims=True)
-    aligned = procrustes(points, onto)
-    rows = np.linalg.pinv(centred) @ (aligned - aligned.mean(1, keepdims=True))
-    return rows.swapaxes(1, 2)
+    return best_rotation(points, onto).swapaxes(1, 2)
 
 
 def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:

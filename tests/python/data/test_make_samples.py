@@ -121,11 +121,11 @@ def test_forward_kinematics_by_hand():
     moved = frame(
         right_knee=(-np.pi / 2,),
         left_elbow=(np.pi / 2,),
-        chest=(half, half, 0.0, 0.0),  # a quarter turn about x: y goes to z
+        chest=(half, half, 0.0, 0.0),  # 90 degrees about x: y goes to z
     )
     joints = make_samples.pose_model(moved, links, np.array([0.0, 0.25, 0.0]))[0]
     expected = {
-        "neck": (0, 5, 1),
+        "neck_base": (0, 5, 1),
         "head": (0, 5, 1.25),
         "right_hip": (0, 4, 0.5),
         "right_knee": (0, 2, 0.5),

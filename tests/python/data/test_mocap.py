@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from support import TEST, TRAIN, need_motion, run_tool
 
 from data import mocap
+from data.cmu import SETS
 from data.mocap import Cleaning, MocapError, Motion, Trial
 from edmlift.joints import INDEX, JOINTS
 
@@ -497,7 +498,7 @@ def test_command_line(folder: Path):
 def test_command_line_fails_with_one_line(tmp_path: Path):
     done = run_mocap(tmp_path, "--out", tmp_path / "out.npz")
     assert done.returncode == 1
-    assert done.stderr.startswith("mocap.py: ") and done.stderr.count("\n") == 1
+    assert done.stderr.startswith("mocap: ") and done.stderr.count("\n") == 1
 
 
 # .npz files
@@ -611,6 +612,22 @@ def test_raw_trials_reproduce_the_npz(subject: int, file: str):
         known_joints, known_frames = of_trial(known, subject, trial)
         assert frames.tolist() == known_frames.tolist()
         np.testing.assert_allclose(joints, known_joints, atol=0.001)
+
+
+@pytest.mark.parametrize(("name", "file"), [("train", TRAIN), ("test", TEST)])
+def test_the_sets_are_the_data_that_were_used(name: str, file: str):
+    known = mocap.load_motion(need_motion(file))
+    used = set(zip(known.subject.tolist(), known.trial.tolist(), strict=True))
+    assert used - {(901, 1), (902, 1)} == SETS[name]  # those two are not in the archive
+
+
+def test_a_set_is_read_from_among_other_trials():
+    folder = need_motion("cmu_raw/subjects/02")
+    all_of_it = mocap.read_folder(folder)
+    one = mocap.read_folder(folder, only=frozenset({(2, 1)}))
+    assert set(one.trial) == {1} < set(all_of_it.trial)
+    with pytest.raises(MocapError, match="no .amc or .bvh file of the set"):
+        mocap.read_folder(folder, only=SETS["train"])
 
 
 def test_cgspeed_bvh_is_refused():

@@ -76,7 +76,7 @@ def test_calls_continue_the_track(library):
 
 
 def test_wrong_shapes(library):
-    with pytest.raises(ValueError, match="keypoints must be"):
+    with pytest.raises(ValueError, match="keypoints of the 14 joints must be"):
         Track().lift(WALK[:, :13], TIMES)
     with pytest.raises(ValueError, match="times must be"):
         library.track().lift(WALK, TIMES[:-1])

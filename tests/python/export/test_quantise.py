@@ -356,7 +356,7 @@ def test_without_an_fpu_no_float_code_is_linked(tmp_path, form):
         for line in targets.run(f"{target.system.cross}nm", item).splitlines():
             *_, kind, symbol = line.split()
             (asked if kind == "U" else defined).add(symbol)
-    assert asked - defined == {"memcpy"}
+    assert asked - defined <= {"memcpy"}
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -5,8 +5,11 @@ import pytest
 from PIL import Image
 
 from data.mocap import Motion
+from data.views import NOISE, views
+from edmlift.joints import mid_hip
 from edmlift.library import Poses
 from evaluation import accuracy
+from evaluation.measures import evaluate
 from reports import plots
 
 
@@ -17,11 +20,9 @@ class Perfect:
         self.truth = truth
 
     def lift(self, keypoints):
-        count = len(keypoints)
         joints = self.truth.copy()
-        joints[:, 4] += np.linspace(0, 0.5, count)[:, None]
-        nothing = np.zeros(count)
-        return Poses(joints, nothing, nothing, np.full(count, "ok"))
+        joints[:, 4] += np.linspace(0, 0.5, len(keypoints))[:, None]
+        return Poses.of(joints)
 
 
 @pytest.fixture(scope="module")
@@ -29,9 +30,9 @@ def report():
     joints = np.random.default_rng(2).normal(0, 0.3, (40, 14, 3)) + [0, 1, 0]
     number = np.repeat([0, 1, 2, 3], 10)
     motion = Motion(joints, number, number, number, number, (), "made up")
-    truth = accuracy.views(joints)["gt"].truth
-    lifter = Perfect(truth - accuracy.mid_hip(truth)[:, None])
-    return accuracy.evaluate(lifter, motion), accuracy.examples(lifter, motion)
+    truth = views(joints)["gt"].truth
+    lifter = Perfect(truth - mid_hip(truth)[:, None])
+    return evaluate(lifter, motion), accuracy.examples(lifter, motion)
 
 
 def test_plots_are_small_and_the_same_again(tmp_path, report):
@@ -55,7 +56,7 @@ def test_bars_and_lines_have_the_figures(report):
     assert heights == [column["error"] for column in figures.values()]
     (ax,) = plots.noise(figures, {}, accuracy.PAPER).axes
     lines = {line.get_label(): line.get_ydata() for line in ax.get_lines()}
-    assert list(lines["edmlift"]) == [figures[n]["error"] for n in ("gt", *accuracy.NOISE)]
+    assert list(lines["edmlift"]) == [figures[n]["error"] for n in ("gt", *NOISE)]
     assert 62.2 in lines["the paper's FConv, on other data"]
 
 
@@ -70,10 +71,7 @@ def test_no_rival_is_left_out(report):
 def test_examples_run_from_the_best_to_the_worst(tmp_path, report, monkeypatch):
     _, examples = report
     drawn = {}
-    monkeypatch.setattr(
-        plots, "draw_sheet", lambda *args, frames, names: drawn.update(frames=frames, names=names)
-    )
-    monkeypatch.setattr(plots, "shrink", lambda *_: None)
+    monkeypatch.setattr(plots.edmlift, "draw", lambda *_, **options: drawn.update(options))
     plots.draw_examples(tmp_path / "x.png", **examples)
     error = examples["error"][drawn["frames"]]
     assert error[0] == examples["error"].min() and error[-1] == examples["error"].max()
