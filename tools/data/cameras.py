@@ -123,7 +123,7 @@ def adapter_error(
     """Head and neck as edml_adapt() puts them for detectors that have neither of the models'.
 
     The neck is on the line from between the shoulders to between the hips, at the share `neck` of
-    it; the head is off by ADAPTED_HEAD, as docs/adapters.md says for what detectors show of heads.
+    it; the head is off by ADAPTED_HEAD, as docs/detectors.md says for what detectors show of heads.
     points [F,14,2], pixels; camera_joints [F,14,3] -> [F,14,2].
     """
     out = points.copy()

@@ -2,7 +2,7 @@
 
     evaluate.py accuracy TEST.npz [--train TRAIN.npz] [--model fconn] [--out build/report] [--quick]
     evaluate.py accuracy TEST.npz --train TRAIN.npz --manifest gen/fconn.json
-                --update README.md docs/accuracy.md --plots docs/accuracy
+                --update docs/accuracy.md docs/accuracy-log.md --plots docs/accuracy
 
 All figures are of the float network; what the quantised ones and fixed point lose against it has a
 table of its own.  Views and columns are those of tools/data/views.py, errors those of

@@ -1,6 +1,6 @@
 """Effect of known body measurements, and how true quality and uncertainty are.
 
-    evaluate.py body TEST.npz [--model fconn_f32] [--update docs/person.md] [--quick]
+    evaluate.py body TEST.npz [--model fconn_f32] [--update docs/body.md] [--quick]
 
 Standing heights are estimated as tools/data/bodies.py says, bones are the true ones.
 """

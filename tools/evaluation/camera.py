@@ -1,6 +1,6 @@
 """How well poses are placed before the camera, where the truth is known.
 
-    evaluate.py camera TEST.npz [--model fconn_f32] [--update docs/camera.md] [--quick]
+    evaluate.py camera TEST.npz [--model fconn_f32] [--update docs/where-in-the-room.md] [--quick]
 
 Poses are seen exactly (gt) and as by a detector (cpm), and are either the true ones or lifted.  The
 root is mid-hip.  The rotation of a lifted pose is compared with the one that aligns it with the

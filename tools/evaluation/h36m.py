@@ -1,4 +1,4 @@
-"""The paper's protocols on Human3.6M and HumanEva-I, for who holds them (docs/licensed.md).
+"""The paper's protocols on Human3.6M and HumanEva-I, for who holds them (docs/h36m.md).
 
     evaluate.py h36m h36m data_3d_h36m.npz --cameras h36m_dataset.py --protocol 3 [--model fconn]
     evaluate.py h36m humaneva data_3d_humaneva15.npz --cameras humaneva_dataset.py

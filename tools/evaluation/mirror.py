@@ -1,6 +1,6 @@
 """The rules that choose the mirror image, side by side.
 
-    evaluate.py mirror TEST.npz [--model fconn_f32] [--update docs/accuracy.md] [--quick]
+    evaluate.py mirror TEST.npz [--model fconn_f32] [--update docs/accuracy-log.md] [--quick]
 
 The linear score chooses first (lib/lift/mirror.h); the joint limits then reflect its choice where
 the mirror image violates fewer of them (lib/optional/joint_limits.h).  Measured on true poses, on

@@ -1,6 +1,6 @@
 """From distances to points: the library's ways, and the paper's relaxation with gradient descent.
 
-    evaluate.py scaling TEST.npz [--model fconn] [--update docs/accuracy.md] [--quick]
+    evaluate.py scaling TEST.npz [--model fconn] [--update docs/accuracy-log.md] [--quick]
 
 Takes what the network predicts for a sample of poses, as many of each person, and makes points of
 it: by the library's classical scaling and each of its refinements, and by the semidefinite

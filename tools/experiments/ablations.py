@@ -1,7 +1,7 @@
 """The paper's recipes and the steps from them to ours: trains each, and measures it through C.
 
     run.py experiments.ablations TRAIN TEST [--recipes NAMES] [--epochs N] [--out build/recipes]
-                     [--json docs/accuracy/recipes.json] [--update docs/accuracy.md]
+                     [--json docs/accuracy/recipes.json] [--update docs/accuracy-log.md]
 
 The paper trains by L2 with dropout, on exact 2D, on a detector's or on both (its table 1), with
 joints hidden or not (its tables of occlusion).  Both of its networks are as large as they ship; the

@@ -1,7 +1,7 @@
 """The library's network and its rivals on every training person, by networks that never saw them.
 
     run.py experiments.folds TRAIN [--folds 6] [--epochs 240] [--out build/people]
-                       [--json docs/accuracy/people.json] [--update docs/accuracy.md]
+                       [--json docs/accuracy/people.json] [--update docs/accuracy-log.md]
                        [--plots docs/accuracy]
 
 The people of the test set are few, and which network is ahead may depend on who they are.  Here

@@ -1,7 +1,7 @@
 """Trains the rivals that go from 2D joints straight to 3D joints, and measures them.
 
     run.py experiments.rivals TRAIN TEST [--rivals NAMES] [--epochs N] [--out build/rivals]
-    run.py experiments.rivals TRAIN TEST --trials --update docs/accuracy.md
+    run.py experiments.rivals TRAIN TEST --trials --update docs/accuracy-log.md
 
 Bodies, cameras, noise, missing joints and the balance of subjects are those of tools/training/; one
 drawn epoch feeds all networks.  TRAIN and TEST are .npz files or folders of motion capture.  The

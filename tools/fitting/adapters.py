@@ -1,6 +1,6 @@
 """Coefficients of lib/joints/adapt.h, by least squares over views with modelled heads.
 
-    run.py fitting.adapters TRAIN.npz [--update docs/adapters.md]
+    run.py fitting.adapters TRAIN.npz [--update docs/detectors.md]
 
 The models take `head_top` and `neck` where the training skeletons have them, which is not where
 detectors report a head and a neck.  So every adapter puts

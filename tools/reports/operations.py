@@ -1,6 +1,6 @@
 """Operations of the fixed-point lift on motion capture, and that none of them overflows.
 
-    run.py reports.operations TEST.npz [--update docs/fixed_point.md]
+    run.py reports.operations TEST.npz [--update docs/no-fpu.md]
 
 Every view of the protocol is lifted in numbers that watch themselves (tests/check), whose results
 must be the library's bit for bit.

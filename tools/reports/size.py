@@ -50,11 +50,12 @@ FCONV = {  # a table of its own: a lift is 20 million instructions and more
     ("cortex-m3", "fixed w8"): ["-DMODEL=edml_fconv_w8", "-DFCONV", "-DFIXED"],
 }
 FCONV_COLUMNS = ("core", "variant", "code", "weights", "work", "stack", "net", "lift")
-SUMMARY = [  # core, variant, its name, its errors in the model's manifest
-    ("Cortex-M4F", "f32", "float", "metrics"),
-    ("Cortex-M4F", "w16", "float, 16-bit network", "metrics_w16"),
-    ("Cortex-M3", "fixed", "fixed point", "metrics_w16"),
-    ("Cortex-M0+", "fixed", "fixed point", "metrics_w16"),
+SUMMARY = [  # the chip; core and variant of the figures; call; model; its errors in the manifest
+    ("FPU, such as Cortex-M4F, M7, M33, M55", "Cortex-M4F", "w16", "lift", "w16", "metrics_w16"),
+    ("FPU, little flash", "Cortex-M4F", "w8", "lift", "w8", "metrics_w8"),
+    ("FPU, float weights wanted", "Cortex-M4F", "f32", "lift", "f32", "metrics"),
+    ("no FPU, such as Cortex-M3", "Cortex-M3", "fixed", "lift_q", "w16", "metrics_w16"),
+    ("no FPU, small: Cortex-M0+", "Cortex-M0+", "fixed", "lift_q", "w16", "metrics_w16"),
 ]
 
 
@@ -191,7 +192,7 @@ def parse(text: str) -> list[Cost]:
     ]
 
 
-def readme_table(costs: list[Cost]) -> str:
+def short_table(costs: list[Cost]) -> str:
     """A row a core: code, and thousands of instructions a lift, of each variant; then memory."""
     of = {(cost.core, cost.variant): cost for cost in costs}
     head, units = [""], [""]
@@ -217,16 +218,19 @@ def summary_table(costs: list[Cost]) -> str:
     of = {(cost.core, cost.variant): cost for cost in costs}
     manifest = read_manifest("fconn")
     rows: list[Row] = []
-    for core, variant, name, key in SUMMARY:
+    for chip, core, variant, call, weights, key in SUMMARY:
         cost, metrics = of[core, variant], manifest.get(key, {})
         rows.append([
-            f"{core}, {name}",
-            f"{cost.code:,} bytes + {cost.weights:,} of weights",
-            f"{cost.work:,} bytes + {cost.stack} of stack",
-            f"{cost.lift:,} instructions",
+            chip, f"`edml_{call}`", f"`edml_fconn_{weights}`",
+            f"{cost.code:,} + {cost.weights:,} of weights",
+            f"{cost.work:,} + {cost.stack} of stack",
+            cost.lift,
             *(f"{metrics[view]} mm" if metrics else "" for view in ("gt", "cpm", "rand2")),
         ])  # fmt: skip
-    head = ["", "flash", "RAM", "a lift", "error, exact 2D", "detector's 2D", "two joints missing"]
+    head = [
+        "your chip", "call", "model", "flash, bytes", "RAM, bytes", "instructions a lift",
+        "error, exact 2D", "a detector's 2D", "two joints missing",
+    ]  # fmt: skip
     return to_table(head, rows)
 
 
@@ -247,12 +251,14 @@ def compare(written: list[Cost], measured: list[Cost]) -> None:
 
 
 def check(measured: list[Cost]) -> None:
-    """Compares the tables: the full one with what was measured, the README's with the full one."""
+    """Compares the tables: the full one with what was measured, the others with the full one."""
     written = parse(markdown.read(COSTS, "costs"))
     compare(written, measured)
-    for name, table in (("size_report", readme_table), ("summary", summary_table)):
-        if markdown.read(README, name).strip() != table(written):
-            raise Disagreement(f"README.md, {name}: not that of docs/costs.md")
+    for page, name, table in (
+        (COSTS, "size_report", short_table), (README, "summary", summary_table)
+    ):  # fmt: skip
+        if markdown.read(page, name).strip() != table(written):
+            raise Disagreement(f"{page.name}, {name}: not that of docs/costs.md, costs")
 
 
 def check_fconv(measured: list[Cost]) -> None:
@@ -269,7 +275,7 @@ def check_fconv(measured: list[Cost]) -> None:
 def update(measured: list[Cost]) -> None:
     """Writes the tables of both pages."""
     markdown.write(COSTS, "costs", full_table(measured))
-    markdown.write(README, "size_report", readme_table(measured))
+    markdown.write(COSTS, "size_report", short_table(measured))
     markdown.write(README, "summary", summary_table(measured))
 
 

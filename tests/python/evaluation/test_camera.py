@@ -159,7 +159,7 @@ def test_angles_and_rotations():
 def test_the_tables_are_those_of_the_page(library):
     figures = camera.evaluate(library, load_motion(need_motion(TEST)))
     table = camera.report(figures)
-    assert markdown.read(ROOT / "docs" / "camera.md", "camera").strip() == table.strip()
+    assert markdown.read(ROOT / "docs" / "where-in-the-room.md", "camera").strip() == table.strip()
     assert figures["true pose, gt"]["root"] < 0.1  # cm
     assert figures["true pose, gt"]["rotation"] < 0.01
 

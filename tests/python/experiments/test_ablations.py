@@ -64,7 +64,7 @@ def test_the_command_trains_measures_and_writes_both_tables(tmp_path):
 
 
 def test_the_page_has_the_results():
-    page = ROOT / "docs" / "accuracy.md"
+    page = ROOT / "docs" / "accuracy-log.md"
     results = json.loads(ablations.RESULTS.read_text())
     assert list(results) == list(ablations.ABLATIONS)
     assert markdown.read(page, "recipes").strip() == ablations.report(results).strip()

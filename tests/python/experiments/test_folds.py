@@ -118,6 +118,6 @@ def test_bars_and_marks_have_the_figures():
 
 
 def test_the_page_has_the_results():
-    page = ROOT / "docs" / "accuracy.md"
+    page = ROOT / "docs" / "accuracy-log.md"
     errors = json.loads(folds.RESULTS.read_text())["errors"]
     assert markdown.read(page, "people").strip() == folds.report(errors).strip()

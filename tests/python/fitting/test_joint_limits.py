@@ -16,7 +16,7 @@ from model import reference
 from model.constants import JOINT_LIMITS_FORMAT
 from reports import markdown
 
-PAGE = ROOT / "docs" / "accuracy.md"
+PAGE = ROOT / "docs" / "accuracy-log.md"
 CLIPS = ("walk", "kick", "cartwheel", "tpose")
 
 
