@@ -13,16 +13,16 @@ if ! echo 'int LLVMFuzzerTestOneInput(const char *d, long n); int LLVMFuzzerTest
     echo "fuzz.sh: no clang with libFuzzer: skipped"
     exit 77
 fi
-includes="-I$root/include -I$root/lib -I$root/tests/check"
-for part in check camera; do
+includes="-I$root/include -I$root/lib -I$root/tests/overflow"
+for part in lift camera; do
     # shellcheck disable=SC2086 # one word a folder
-    clang -x c++ -std=gnu++11 -O1 -g -fsanitize=$sanitizers -fno-sanitize=function $includes \
-        -c "$root/tests/check/$part.cpp" -o "$folder/$part.o"
+    clang -x c++ -std=gnu++11 -O1 -g -fsanitize=$sanitizers -fno-sanitize=function -Wno-unused-function $includes \
+        -c "$root/tests/overflow/$part.cpp" -o "$folder/$part.o"
 done
 # shellcheck disable=SC2086
 clang -std=c99 -O1 -g -ffp-contract=off -fsanitize=$sanitizers -fno-sanitize-recover=all \
     -DEDML_LIBFUZZER $includes \
-    "$root/tests/fuzz_lift.c" "$root"/lib/*.c "$folder/check.o" "$folder/camera.o" -lm \
+    "$root/tests/fuzz_lift.c" "$root"/lib/*/*.c "$folder/lift.o" "$folder/camera.o" -lm \
     -o "$folder/fuzz_lift"
 # Inputs that exactly fill the 14 keypoints and the byte before them.
 "$folder/fuzz_lift" -seed=1 -max_total_time="$seconds" -max_len=169 -len_control=0 \

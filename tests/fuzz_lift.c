@@ -1,5 +1,5 @@
 /* Any bytes into edml_lift, edml_track_lift and edml_lift_q: a status that exists, and with it either a sound pose or
- * none; in fixed point no overflow, by the numbers that watch themselves (check/).  What was lifted is
+ * none; in fixed point no overflow, by the integers that watch themselves (overflow/).  What was lifted is
  * placed before cameras of any kind, with the same demands.
  *
  * With libFuzzer (fuzz.sh) or, with its own main, on pseudo-random inputs: fuzz [COUNT].
@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "check.h"
-#include "edmlift.h"
+#include "edmlift/video.h"
+#include "overflow.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -169,30 +169,30 @@ static void check_pose_q16(const edml_pose_q *pose)
     require(pose->seen < 1 << EDML_JOINTS, "a joint that does not exist was seen");
 }
 
-static void place_whole_numbers(const edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS],
+static void place_integers(const edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS],
                                 const uint8_t *data, edml_work_q *work)
 {
     const int32_t focal = (int32_t)(65536 * some_focal_length(data[1] % 250)); /* to 7,600 */
     const edml_camera_q camera = {focal, focal, in[data[2] % EDML_JOINTS].x,
                                     in[data[3] % EDML_JOINTS].y};
     edml_placement_q placement, watched;
-    check_tally taken;
+    checked_tally taken;
     memset(&placement, 0xA5, sizeof placement);
     memset(&watched, 0xA5, sizeof watched);
     const edml_status status = edml_place_q(&placement, pose, in, &camera, work, sizeof *work);
     check_placement_status(status);
-    require(check_place(&watched, pose, in, &camera, &taken) == status, "another status of a watched placement");
+    require(checked_place(&watched, pose, in, &camera, &taken) == status, "another status of a watched placement");
     require(taken.overflows == 0, "a number of a placement overflows");
     require(memcmp(&placement, &watched, sizeof placement) == 0, "not the placement of watched numbers");
 }
 
-static void lift_whole_numbers(const uint8_t *data)
+static void lift_integers(const uint8_t *data)
 {
     const edml_model *model = data[0] & 128 ? &edml_fconn_w16 : &edml_fconn_w8;
     edml_keypoint_q in[EDML_JOINTS];
     edml_pose_q pose, watched;
     edml_work_q work;
-    check_tally taken;
+    checked_tally taken;
     memset(&pose, 0xA5, sizeof pose);
     memset(&watched, 0xA5, sizeof watched);
     memset(&work, data[0], sizeof work);
@@ -201,10 +201,10 @@ static void lift_whole_numbers(const uint8_t *data)
     const edml_status status = edml_lift_q(&pose, in, model, &work, sizeof work);
     check_status(status);
     if (status == EDML_OK) check_pose_q16(&pose);
-    require(check_lift(&watched, in, model, &taken) == status, "another status of watched numbers");
+    require(checked_lift(&watched, in, model, &taken) == status, "another status of watched numbers");
     require(taken.overflows == 0, "a number overflows");
     require(memcmp(&pose, &watched, sizeof pose) == 0, "not the pose of watched numbers");
-    if (status == EDML_OK) place_whole_numbers(&pose, in, data, &work);
+    if (status == EDML_OK) place_integers(&pose, in, data, &work);
 }
 
 /* FConv takes hundreds of times as long: one input in 128. */
@@ -234,7 +234,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (size < INPUT_BYTES) return 0;
     lift_floats(data);
     track_floats(data);
-    lift_whole_numbers(data);
+    lift_integers(data);
     if (data[JOINT_BYTES - 1] % 128 == 0) lift_by_convolutions(data);
     return 0;
 }

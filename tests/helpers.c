@@ -52,7 +52,7 @@ rotation3 random_rotation(rng *r)
     return turn;
 }
 
-void rotate(edml_point out[EDML_JOINTS], rotation3 by, const edml_point x[EDML_JOINTS])
+void rotate_points(edml_point out[EDML_JOINTS], rotation3 by, const edml_point x[EDML_JOINTS])
 {
     for (int j = 0; j < EDML_JOINTS; j++) {
         double turned[3];

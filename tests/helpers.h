@@ -12,6 +12,10 @@
 #include <unity.h>
 
 #include "edmlift.h"
+#include "edmlift/body.h"
+#include "edmlift/camera.h"
+#include "edmlift/stages.h"
+#include "edmlift/video.h"
 #include "q24.h"
 #include "tolerance.h"
 
@@ -30,7 +34,7 @@ typedef struct {
     double at[3][3];
 } rotation3;
 rotation3 random_rotation(rng *r);
-void rotate(edml_point out[EDML_JOINTS], rotation3 by, const edml_point x[EDML_JOINTS]);
+void rotate_points(edml_point out[EDML_JOINTS], rotation3 by, const edml_point x[EDML_JOINTS]);
 void reflect(edml_point out[EDML_JOINTS], const edml_point x[EDML_JOINTS]); /* z -> -z */
 
 /* People and points, in metres. */

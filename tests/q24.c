@@ -68,22 +68,23 @@ static int32_t values[EDML_PAIRS];
 static edml_point_q24 points[EDML_JOINTS];
 static edml_keypoint_q keypoints[EDML_JOINTS];
 
-edml_status q24_edm(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest,
-                    float widest, const edml_imputation *completion)
+edml_status q24_edm(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest_joints,
+                    float max_aspect, const edml_imputation *imputation)
 {
     to_q16(keypoints, in);
-    const edml_status status = edml_edm_q(values, keypoints, fewest, q24(widest), completion);
+    const edml_status status = edml_edm_q(values, keypoints, fewest_joints, q24(max_aspect), imputation);
     if (status == EDML_OK) all_floats(edm, values, EDML_PAIRS);
     return status;
 }
 
-void q24_net(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,
-             edml_work *work)
+edml_status q24_predict(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,
+                        void *work, size_t work_bytes)
 {
-    (void)work;
+    (void)work, (void)work_bytes;
     all_q24(values, edm, EDML_PAIRS);
-    edml_predict_q(values, values, model, &memory, sizeof memory);
-    all_floats(distance, values, EDML_PAIRS);
+    const edml_status status = edml_predict_q(values, values, model, &memory, sizeof memory);
+    if (status == EDML_OK) all_floats(distance, values, EDML_PAIRS);
+    return status;
 }
 
 void q24_jacobi(edml_eigen *eigen, const edml_matrix *a)
@@ -142,8 +143,8 @@ edml_status q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JO
     return status;
 }
 
-void q24_blend(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
-               const edml_model *model)
+void q24_fuse(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
+              const edml_model *model)
 {
     to_q16(keypoints, in);
     all_q24(&points->x, &x->x, 3 * EDML_JOINTS);
@@ -152,12 +153,13 @@ void q24_blend(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], u
 }
 
 edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
-                     edml_work *work)
+                     void *work, size_t work_bytes)
 {
+    (void)work_bytes;
     edml_pose_q lifted;
     if (in != NULL) to_q16(keypoints, in);
     const edml_status status = edml_lift_q(pose != NULL ? &lifted : NULL, in != NULL ? keypoints : NULL,
-                                             model, work != NULL ? &memory : NULL);
+                                           model, work != NULL ? &memory : NULL, sizeof memory);
     if (status != EDML_OK) return status;
     for (int j = 0; j < EDML_JOINTS; j++) {
         pose->joint[j].x = (float)(lifted.joint[j].x / 65536.0);
@@ -195,9 +197,10 @@ static void from_placement_q16(edml_placement *out, const edml_placement_q *plac
 }
 
 edml_status q24_place(edml_placement *placement, const edml_pose *pose,
-                      const edml_keypoint in[EDML_JOINTS], const edml_camera *camera,
-                      edml_work *work)
+                      const edml_keypoint in[EDML_JOINTS], const edml_camera *camera, void *work,
+                      size_t work_bytes)
 {
+    (void)work_bytes;
     edml_pose_q given;
     edml_camera_q by;
     edml_placement_q placed;
@@ -206,15 +209,16 @@ edml_status q24_place(edml_placement *placement, const edml_pose *pose,
     if (camera != NULL) by = camera_to_q16(*camera);
     const edml_status status = edml_place_q(
         placement != NULL ? &placed : NULL, pose != NULL ? &given : NULL, in != NULL ? keypoints : NULL,
-        camera != NULL ? &by : NULL, work != NULL ? &memory : NULL);
+        camera != NULL ? &by : NULL, work != NULL ? &memory : NULL, sizeof memory);
     if (status == EDML_OK) from_placement_q16(placement, &placed);
     return status;
 }
 
 edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, const edml_pose *pose,
                             const edml_keypoint in[EDML_JOINTS], float width, float height,
-                            edml_work *work)
+                            void *work, size_t work_bytes)
 {
+    (void)work_bytes;
     edml_pose_q given;
     edml_camera_q found;
     edml_placement_q placed;
@@ -222,7 +226,8 @@ edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, cons
     if (in != NULL) to_q16(keypoints, in);
     const edml_status status = edml_place_sweep_q(
         placement != NULL ? &placed : NULL, camera != NULL ? &found : NULL, pose != NULL ? &given : NULL,
-        in != NULL ? keypoints : NULL, q16(width), q16(height), work != NULL ? &memory : NULL);
+        in != NULL ? keypoints : NULL, q16(width), q16(height), work != NULL ? &memory : NULL,
+        sizeof memory);
     if (status != EDML_OK) return status;
     from_placement_q16(placement, &placed);
     const edml_camera by = {from_q16(found.fx), from_q16(found.fy), from_q16(found.cx), from_q16(found.cy)};
@@ -230,29 +235,33 @@ edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, cons
     return status;
 }
 
-edml_status q24_fit_person(edml_pose *pose, const edml_body *owner)
+edml_status q24_fit_body(edml_pose *pose, const edml_body *body)
 {
     edml_pose_q fitted;
     edml_body_q known;
     if (pose != NULL) pose_to_q16(&fitted, pose);
-    if (owner != NULL) known.height = q16(owner->height);
-    for (int n = 0; n < EDML_BONES && owner != NULL; n++) known.bone[n] = q16(owner->bone[n]);
+    if (body != NULL) known.height = q16(body->height);
+    for (int n = 0; n < EDML_BONES && body != NULL; n++) known.bone[n] = q16(body->bone[n]);
     const edml_status status =
-        edml_fit_body_q(pose != NULL ? &fitted : NULL, owner != NULL ? &known : NULL);
+        edml_fit_body_q(pose != NULL ? &fitted : NULL, body != NULL ? &known : NULL);
     if (status != EDML_OK) return status;
     for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j] = point_from_q16(fitted.joint[j]);
     return status;
 }
 
-float q24_quality(const edml_pose *pose, const edml_keypoint in[EDML_JOINTS])
+edml_status q24_quality(float *quality, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS])
 {
     edml_pose_q given;
+    int32_t found;
     if (pose != NULL) pose_to_q16(&given, pose);
     if (in != NULL) to_q16(keypoints, in);
-    return from_q16(edml_quality_q(pose != NULL ? &given : NULL, in != NULL ? keypoints : NULL));
+    const edml_status status = edml_quality_q(quality != NULL ? &found : NULL, pose != NULL ? &given : NULL,
+                                              in != NULL ? keypoints : NULL);
+    if (status == EDML_OK) *quality = from_q16(found);
+    return status;
 }
 
-edml_status q24_floor(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_point up)
+edml_status q24_stand(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_point up)
 {
     edml_pose_q given;
     edml_point_q stood[EDML_JOINTS];
@@ -265,22 +274,22 @@ edml_status q24_floor(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_p
     return status;
 }
 
-int q24_limits(const edml_pose *pose)
+edml_status q24_joint_limits(int *violations, const edml_pose *pose)
 {
     edml_pose_q given;
     if (pose != NULL) pose_to_q16(&given, pose);
-    return edml_joint_limits_q(pose != NULL ? &given : NULL);
+    return edml_joint_limits_q(violations, pose != NULL ? &given : NULL);
 }
 
-int q24_mirror_by_limits(edml_pose *pose)
+edml_status q24_reflect_by_joint_limits(int *fewer, edml_pose *pose)
 {
-    if (pose == NULL) return edml_reflect_by_joint_limits_q(NULL);
+    if (pose == NULL) return edml_reflect_by_joint_limits_q(fewer, NULL);
     edml_pose_q given, chosen;
     pose_to_q16(&given, pose);
     chosen = given;
-    const int fewer = edml_reflect_by_joint_limits_q(&chosen);
-    if (memcmp(&given, &chosen, sizeof given) == 0) return fewer;
+    const edml_status status = edml_reflect_by_joint_limits_q(fewer, &chosen);
+    if (memcmp(&given, &chosen, sizeof given) == 0) return status;
     for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j] = point_from_q16(chosen.joint[j]);
     pose->mirror_margin = from_q16(chosen.mirror_margin);
-    return fewer;
+    return status;
 }

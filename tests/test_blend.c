@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "helpers.h"
-#include "model.h"
+#include "network/model.h"
 
 static edml_point person[EDML_JOINTS], x[EDML_JOINTS], y[EDML_JOINTS];
 static edml_keypoint in[EDML_JOINTS];

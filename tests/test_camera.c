@@ -39,7 +39,7 @@ static void take_pose(edml_point about, rotation3 by)
         pose.joint[j].y = person[j].y - about.y;
         pose.joint[j].z = person[j].z - about.z;
     }
-    rotate(pose.joint, by, pose.joint);
+    rotate_points(pose.joint, by, pose.joint);
 }
 
 static void stand_at(float x, float y, float z)
@@ -66,7 +66,7 @@ static void someone_somewhere(rng *r, float nearest, float farthest)
                               uniform(r, 200, 700)};
     camera = some;
     random_human(r, person);
-    rotate(person, random_rotation(r), person);
+    rotate_points(person, random_rotation(r), person);
     stand_at(depth * uniform(r, -0.5F, 0.5F), depth * uniform(r, -0.4F, 0.4F), depth);
     take_pose(mid_hip(), random_rotation(r));
     see(in, &camera, person);
@@ -171,7 +171,7 @@ static void flat_people_are_seen_where_they_were(void)
         camera = usual;
         random_human(&r, person);
         for (int j = 0; j < EDML_JOINTS; j++) person[j].z = 0;
-        if (n > 0) rotate(person, random_rotation(&r), person);
+        if (n > 0) rotate_points(person, random_rotation(&r), person);
         stand_at(0, 0, 4);
         take_pose(mid_hip(), random_rotation(&r));
         see(in, &camera, person);
@@ -251,7 +251,7 @@ static void the_axes_of_the_pose_do_not_matter(void)
         add_noise(&r, 5);
         run();
         const edml_placement first = placement;
-        rotate(pose.joint, random_rotation(&r), pose.joint);
+        rotate_points(pose.joint, random_rotation(&r), pose.joint);
         run();
         TEST_ASSERT_ERROR_UP_TO(PLACE_AXES, worst_joint_error(placement.joint, first.joint));
         TEST_ASSERT_ERROR_UP_TO(PLACE_NOISY_PIXELS, placement.reprojection - first.reprojection);
@@ -346,7 +346,7 @@ static void null_pointers(void)
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, NULL, in, &camera, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, NULL, &camera, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, in, NULL, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, in, &camera, NULL));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, in, &camera, NULL, sizeof work));
 }
 
 static void what_is_no_camera(void)

@@ -1,27 +1,25 @@
-/* camera.inc from within: what each step of the iteration does.
+/* optional/camera/ from within: what each step of the iteration does.
  *
  * SPDX-License-Identifier: MIT
  */
 #include <stdio.h>
 
-#define all_finite all_seen_are_finite /* helpers.h has another */
-#include "camera_f32.c"
-#undef all_finite
+#include "optional/camera_f32.c"
 
 #include "helpers.h"
 
-static const edml_camera by = {1145, 1145, 500, 500};
+static const edml_camera camera = {1145, 1145, 500, 500};
 static edml_work memory;
 static edml_pose someone;
-static axes truth; /* the rotation that places them, in the view */
+static matrix3 truth; /* the rotation that places them, in the scene */
 static point place_of_truth; /* of their origin, from the camera */
 
 /* Someone 3 to 6 m away, noise in pixels on the image: a view of them. */
-static view random_view(rng *r, float noise)
+static scene random_view(rng *r, float noise)
 {
     edml_keypoint image[EDML_JOINTS];
     edml_point x[EDML_JOINTS];
-    view v;
+    scene v;
     v.joint = memory.scratch.step[0];
     v.ray = memory.scratch.step[1];
     v.a = memory.scratch.step[2];
@@ -29,29 +27,29 @@ static view random_view(rng *r, float noise)
     const float depth = uniform(r, 3, 6), across = uniform(r, -1, 1);
     const rotation3 turn = random_rotation(r);
     random_human(r, someone.joint);
-    rotate(x, turn, someone.joint);
+    rotate_points(x, turn, someone.joint);
     for (int j = 0; j < EDML_JOINTS; j++) {
         image[j].x = 500 + 1145 * (x[j].x + across) / (x[j].z + depth) + noise * gauss(r);
         image[j].y = 500 + 1145 * x[j].y / (x[j].z + depth) + noise * gauss(r);
         image[j].c = uniform(r, 0.1F, 1);
     }
-    TEST_ASSERT_EQUAL_INT(EDML_OK, prepare(&v, &someone, image, &by));
-    const axes in_camera_axes = {{(float)turn.at[0][0], (float)turn.at[0][1], (float)turn.at[0][2]},
+    TEST_ASSERT_EQUAL_INT(EDML_OK, set_up_scene(&v, &someone, image, &camera));
+    const matrix3 in_camera_axes = {{(float)turn.at[0][0], (float)turn.at[0][1], (float)turn.at[0][2]},
                                  {(float)turn.at[1][0], (float)turn.at[1][1], (float)turn.at[1][2]},
                                  {(float)turn.at[2][0], (float)turn.at[2][1], (float)turn.at[2][2]}};
-    truth = after(&v.look, &in_camera_axes);
+    truth = compose(&v.view_rotation, &in_camera_axes);
     place_of_truth = (point){across, 0, depth};
     return v;
 }
 
-static axes random_axes(rng *r)
+static matrix3 random_axes(rng *r)
 {
     const point v = {gauss(r), gauss(r), gauss(r)};
     const float w = gauss(r), size = sqrtf(w * w + dot(v, v));
-    return rotation_of(w / size, over(v, size));
+    return quaternion_rotation(w / size, over(v, size));
 }
 
-static float off_by(const axes *a, const axes *b) /* radians, when small */
+static float off_by(const matrix3 *a, const matrix3 *b) /* radians, when small */
 {
     const float x = norm(minus(a->x, b->x)), y = norm(minus(a->y, b->y)), z = norm(minus(a->z, b->z));
     return sqrtf((x * x + y * y + z * z) / 2);
@@ -63,13 +61,13 @@ static void the_best_rotation_is_the_one_that_made_the_points(void)
 {
     rng r = rng_seed(91);
     for (int n = 0; n < 200; n++) {
-        const axes turn = random_axes(&r);
-        axes m = zero_matrix, found;
+        const matrix3 turn = random_axes(&r);
+        matrix3 m = zero_matrix, found;
         for (int j = 0; j < EDML_JOINTS; j++) {
             const point p = {gauss(&r), gauss(&r), n % 2 ? 0 : gauss(&r)}; /* flat ones, too */
-            add_product(&m, turned(&turn, p), p);
+            add_product(&m, rotate(&turn, p), p);
         }
-        TEST_ASSERT_TRUE(best_rotation(&found, &m));
+        TEST_ASSERT_TRUE(nearest_rotation(&found, &m));
         TEST_ASSERT_ERROR_UP_TO(STEP_ROTATION, off_by(&found, &turn));
     }
 }
@@ -79,17 +77,17 @@ static void the_best_rotation_is_a_rotation_and_the_best(void)
 {
     rng r = rng_seed(92);
     for (int n = 0; n < 200; n++) {
-        const axes m = {{gauss(&r), gauss(&r), gauss(&r)},
+        const matrix3 m = {{gauss(&r), gauss(&r), gauss(&r)},
                         {gauss(&r), gauss(&r), gauss(&r)},
                         {gauss(&r), gauss(&r), gauss(&r)}};
-        axes found;
-        TEST_ASSERT_TRUE(best_rotation(&found, &m));
+        matrix3 found;
+        TEST_ASSERT_TRUE(nearest_rotation(&found, &m));
         TEST_ASSERT_ERROR_UP_TO(STEP_ROTATION, dot(cross(found.x, found.y), found.z) - 1);
         const float best = dot(found.x, m.x) + dot(found.y, m.y) + dot(found.z, m.z);
         for (int k = 0; k < 50; k++) {
-            const axes other = random_axes(&r);
+            const matrix3 other = random_axes(&r);
             const point little = {0.1F * gauss(&r), 0.1F * gauss(&r), 0.1F * gauss(&r)};
-            const axes nudge = rotation_of(1, little), near = after(&nudge, &found);
+            const matrix3 nudge = quaternion_rotation(1, little), near = compose(&nudge, &found);
             TEST_ASSERT_TRUE(dot(other.x, m.x) + dot(other.y, m.y) + dot(other.z, m.z) < best + STEP_TRACE);
             TEST_ASSERT_TRUE(dot(near.x, m.x) + dot(near.y, m.y) + dot(near.z, m.z) < best + STEP_TRACE);
         }
@@ -102,15 +100,15 @@ static void alternating_never_raises_the_error_in_space(void)
 {
     rng r = rng_seed(93);
     for (int n = 0; n < 300; n++) {
-        const view v = random_view(&r, n % 3 == 0 ? 0 : 10);
-        station s, next;
-        s.turn = random_axes(&r);
-        if (!place(&s, &v)) continue; /* behind the camera */
+        const scene v = random_view(&r, n % 3 == 0 ? 0 : 10);
+        estimate s, next;
+        s.rotation = random_axes(&r);
+        if (!best_translation(&s, &v)) continue; /* behind the camera */
         for (int k = 0; k < 50; k++) {
             const float before = s.error;
             next = s;
-            if (!alternate(&next, &v, &s)) { /* at the minimum, or behind the camera */
-                TEST_ASSERT_TRUE(next.shift.z <= 0 || next.error < before * (1 + STEP_ERROR) + 1e-12F);
+            if (!orthogonal_iteration_step(&next, &v, &s)) { /* at the minimum, or behind the camera */
+                TEST_ASSERT_TRUE(next.translation.z <= 0 || next.error < before * (1 + STEP_ERROR) + 1e-12F);
                 break;
             }
             TEST_ASSERT_TRUE(next.error < before);
@@ -124,15 +122,15 @@ static void places_are_the_best_for_their_rotation(void)
 {
     rng r = rng_seed(94);
     for (int n = 0; n < 100; n++) {
-        const view v = random_view(&r, 10);
-        station s, other;
-        s.turn = random_axes(&r);
-        if (!place(&s, &v)) continue;
+        const scene v = random_view(&r, 10);
+        estimate s, other;
+        s.rotation = random_axes(&r);
+        if (!best_translation(&s, &v)) continue;
         for (int k = 0; k < 20; k++) {
             const point aside = {0.05F * gauss(&r), 0.05F * gauss(&r), 0.05F * gauss(&r)};
             other = s;
-            other.shift = plus(s.shift, aside);
-            TEST_ASSERT_TRUE(!measure(&other, &v, miss_of_line) || other.error > s.error);
+            other.translation = plus(s.translation, aside);
+            TEST_ASSERT_TRUE(!sum_errors(&other, &v, line_residual) || other.error > s.error);
         }
     }
 }
@@ -143,15 +141,15 @@ static void descending_ends_where_alternating_does(void)
     rng r = rng_seed(95);
     long plain = 0, quick = 0;
     for (int n = 0; n < 200; n++) {
-        const view v = random_view(&r, 5);
-        station s, slow, next;
-        TEST_ASSERT_TRUE(start(&s, &v) && place(&s, &v));
+        const scene v = random_view(&r, 5);
+        estimate s, slow, next;
+        TEST_ASSERT_TRUE(orthographic_start(&s, &v) && best_translation(&s, &v));
         slow = s;
         const float before = s.error;
-        const int steps = descend(&s, &v);
-        TEST_ASSERT_TRUE(steps >= 0 && steps <= STEPS && s.error <= before);
+        const int steps = object_space_descent(&s, &v);
+        TEST_ASSERT_TRUE(steps >= 0 && steps <= MAX_STEPS && s.error <= before);
         int k = 0;
-        for (; k < 5000 && alternate(&next, &v, &slow) && next.error < slow.error * (1 - 1e-6F); k++)
+        for (; k < 5000 && orthogonal_iteration_step(&next, &v, &slow) && next.error < slow.error * (1 - 1e-6F); k++)
             slow = next;
         plain += k;
         quick += steps;
@@ -161,36 +159,36 @@ static void descending_ends_where_alternating_does(void)
     TEST_ASSERT_TRUE(quick * 5 < plain);
 }
 
-static void the_start_is_near_and_its_twin_is_not(void)
+static void the_start_is_near_and_the_reversed_one_is_not(void)
 {
     rng r = rng_seed(96);
     int near = 0;
     for (int n = 0; n < 200; n++) {
-        const view v = random_view(&r, 0);
-        station s, twin;
-        TEST_ASSERT_TRUE(start(&s, &v));
-        near += off_by(&s.turn, &truth) < 0.5F;
-        TEST_ASSERT_TRUE(reverse(&twin, &v, &s));
-        TEST_ASSERT_TRUE(off_by(&twin.turn, &s.turn) > 1e-4F || off_by(&s.turn, &truth) > 0.5F);
+        const scene v = random_view(&r, 0);
+        estimate s, reversed;
+        TEST_ASSERT_TRUE(orthographic_start(&s, &v));
+        near += off_by(&s.rotation, &truth) < 0.5F;
+        TEST_ASSERT_TRUE(reversed_start(&reversed, &v, &s));
+        TEST_ASSERT_TRUE(off_by(&reversed.rotation, &s.rotation) > 1e-4F || off_by(&s.rotation, &truth) > 0.5F);
     }
     TEST_ASSERT_TRUE(near > 190);
 }
 
-/* The better of what the iteration makes of a station and of its twin; 0 if both lead nowhere. */
-static int descend_both_ways(station *s, const view *v)
+/* The better of what the iteration makes of a estimate and of its reversed; 0 if both lead nowhere. */
+static int descend_both_ways(estimate *s, const scene *v)
 {
-    station twin;
-    const int first = descend(s, v);
-    const int second = reverse(&twin, v, s) ? descend(&twin, v) : -1;
-    if (second >= 0 && (first < 0 || twin.error < s->error)) *s = twin;
+    estimate reversed;
+    const int first = object_space_descent(s, v);
+    const int second = reversed_start(&reversed, v, s) ? object_space_descent(&reversed, v) : -1;
+    if (second >= 0 && (first < 0 || reversed.error < s->error)) *s = reversed;
     return first >= 0 || second >= 0;
 }
 
-static int is_found(const station *s, const view *v)
+static int is_found(const estimate *s, const scene *v)
 {
     edml_placement out;
-    if (write_placement(&out, v, s, &someone, &by, 0) != EDML_OK) return 0;
-    return off_by(&s->turn, &truth) < 0.0017F /* 0.1 degrees */ &&
+    if (write_placement(&out, v, s, &someone, &camera, 0) != EDML_OK) return 0;
+    return off_by(&s->rotation, &truth) < 0.0017F /* 0.1 degrees */ &&
            norm(minus(out.translation, place_of_truth)) < 0.001F * norm(place_of_truth);
 }
 
@@ -202,15 +200,15 @@ static void random_starts_lead_to_the_truth(void)
     rng r = rng_seed(97);
     int alone = 0;
     for (int n = 0; n < 1000; n++) {
-        const view v = random_view(&r, 0);
-        station best = {0};
+        const scene v = random_view(&r, 0);
+        estimate best = {0};
         for (int tried = 0; tried < 4;) {
-            station s;
-            s.turn = random_axes(&r);
-            if (!place(&s, &v)) continue;
+            estimate s;
+            s.rotation = random_axes(&r);
+            if (!best_translation(&s, &v)) continue;
             const int led = descend_both_ways(&s, &v);
             if (tried++ == 0) alone += led && is_found(&s, &v);
-            if (led && (!(best.shift.z > 0) || s.error < best.error)) best = s;
+            if (led && (!(best.translation.z > 0) || s.error < best.error)) best = s;
         }
         TEST_ASSERT_TRUE(is_found(&best, &v));
     }
@@ -226,7 +224,7 @@ int main(void)
     RUN_TEST(alternating_never_raises_the_error_in_space);
     RUN_TEST(places_are_the_best_for_their_rotation);
     RUN_TEST(descending_ends_where_alternating_does);
-    RUN_TEST(the_start_is_near_and_its_twin_is_not);
+    RUN_TEST(the_start_is_near_and_the_reversed_one_is_not);
     RUN_TEST(random_starts_lead_to_the_truth);
     return UNITY_END();
 }

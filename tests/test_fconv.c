@@ -1,4 +1,4 @@
-/* fconv.inc and the lifts that use it, with a small network: against NumPy, and against its own stages.
+/* network/fconv.h and lifts with it, with a small network: against NumPy, and against its own stages.
  * The shipped models are tested in tests/python/test_fconv.py.
  *
  * SPDX-License-Identifier: MIT
@@ -11,7 +11,7 @@
 
 enum { VECTORS = sizeof fconv_vectors / sizeof fconv_vectors[0] };
 
-static edml_model f32, q7;
+static edml_model f32, w8;
 static edml_fconv_work work;
 static edml_fconv_work_q work_q24;
 static edml_keypoint in[EDML_JOINTS];
@@ -20,8 +20,8 @@ static edml_pose pose, again;
 
 static void make_models(void)
 {
-    f32 = tiny_model(&tiny_net_f32);
-    q7 = tiny_model(&tiny_net_q7);
+    f32 = tiny_f32();
+    w8 = tiny_w8();
 }
 
 static void load(float edm[EDML_PAIRS], int32_t edm_q24[EDML_PAIRS], int n)
@@ -65,30 +65,30 @@ static void the_float_network_is_numpys(void)
     TEST_ASSERT_ERROR_UP_TO(FCONV_TOLERANCE, worst);
 }
 
-static void whole_numbers_are_numpys_exactly(void)
+static void integers_are_numpys_exactly(void)
 {
     float edm[EDML_PAIRS], distance[EDML_PAIRS];
     int32_t whole[EDML_PAIRS];
     for (int n = 0; n < VECTORS; n++) {
         load(edm, whole, n);
-        edml_predict_q(whole, whole, &q7, &work_q24, sizeof work_q24); /* in place */
+        edml_predict_q(whole, whole, &w8, &work_q24, sizeof work_q24); /* in place */
         TEST_ASSERT_EQUAL_INT32_ARRAY(fconv_vectors[n].whole, whole, EDML_PAIRS);
-        edml_predict(distance, edm, &q7, &work, sizeof work);
+        edml_predict(distance, edm, &w8, &work, sizeof work);
         for (int k = 0; k < EDML_PAIRS; k++)
             TEST_ASSERT_TRUE(distance[k] == (float)fconv_vectors[n].whole[k] / 16777216.0F);
     }
 }
 
 /* But for the last, whose activations are beyond the largest of Q12. */
-static void whole_numbers_are_near_floats(void)
+static void integers_are_near_floats(void)
 {
     float worst = 0;
     for (int n = 0; n < VECTORS - 1; n++)
         for (int k = 0; k < EDML_PAIRS; k++)
             worst = worse(worst, (float)fabs(fconv_vectors[n].whole[k] / 16777216.0 -
                                              fconv_vectors[n].distance[k]));
-    printf("FConv in whole numbers beside float, worst: %.3g\n", (double)worst);
-    TEST_ASSERT_ERROR_UP_TO(FCONV_Q7_TOLERANCE, worst);
+    printf("FConv in integers beside float, worst: %.3g\n", (double)worst);
+    TEST_ASSERT_ERROR_UP_TO(FCONV_W8_TOLERANCE, worst);
 }
 
 static void what_work_memory_held_does_not_matter(void)
@@ -102,7 +102,7 @@ static void what_work_memory_held_does_not_matter(void)
     edml_predict(other, edm, &f32, &work, sizeof work);
     TEST_ASSERT_SAME_BYTES(distance, other);
     memset(&work_q24, 0x7F, sizeof work_q24);
-    edml_predict_q(whole_other, whole, &q7, &work_q24, sizeof work_q24);
+    edml_predict_q(whole_other, whole, &w8, &work_q24, sizeof work_q24);
     TEST_ASSERT_EQUAL_INT32_ARRAY(fconv_vectors[1].whole, whole_other, EDML_PAIRS);
 }
 
@@ -111,7 +111,7 @@ static void input_beyond_any_edm_is_limited(void)
     int32_t edm[EDML_PAIRS], distance[EDML_PAIRS];
     for (int n = 0; n < 2; n++) { /* 8, and the largest there is: both are 32767 in Q12 */
         for (int k = 0; k < EDML_PAIRS; k++) edm[k] = n == 0 ? 8 << 24 : INT32_MAX;
-        edml_predict_q(distance, edm, &q7, &work_q24, sizeof work_q24);
+        edml_predict_q(distance, edm, &w8, &work_q24, sizeof work_q24);
         for (int k = 0; k < EDML_PAIRS; k++)
             TEST_ASSERT_TRUE(distance[k] >= 0 && distance[k] <= 3 << 24);
     }
@@ -123,10 +123,10 @@ static void distances_end_at_zero_and_three_metres(void)
     float floats[EDML_PAIRS];
     load(floats, edm, 0);
     tiny_bias[4][0] = 100 << 21;
-    edml_predict_q(distance, edm, &q7, &work_q24, sizeof work_q24);
+    edml_predict_q(distance, edm, &w8, &work_q24, sizeof work_q24);
     for (int k = 0; k < EDML_PAIRS; k++) TEST_ASSERT_EQUAL_INT32(3 << 24, distance[k]);
     tiny_bias[4][0] = -(100 << 21);
-    edml_predict_q(distance, edm, &q7, &work_q24, sizeof work_q24);
+    edml_predict_q(distance, edm, &w8, &work_q24, sizeof work_q24);
     for (int k = 0; k < EDML_PAIRS; k++) TEST_ASSERT_EQUAL_INT32(0, distance[k]);
     tiny_bias_f32[4][0] = -100;
     edml_predict(floats, floats, &f32, &work, sizeof work);
@@ -159,8 +159,8 @@ static void both_lifts_give_the_same_pose(void)
     float worst = 0;
     for (uint32_t n = 0; n < 10; n++) {
         someone(n);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&pose, in, &q7, &work, sizeof work));
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&whole, in_q16, &q7, &work_q24, sizeof work_q24));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&pose, in, &w8, &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&whole, in_q16, &w8, &work_q24, sizeof work_q24));
         for (int j = 0; j < EDML_JOINTS; j++) {
             again.joint[j].x = (float)whole.joint[j].x / 65536.0F;
             again.joint[j].y = (float)whole.joint[j].y / 65536.0F;
@@ -186,57 +186,75 @@ static void bad_input_gets_its_status(void)
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(NULL, in, &f32, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, NULL, &f32, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, in, NULL, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, in, &f32, NULL));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, in, &f32, NULL, sizeof work));
     TEST_ASSERT_SAME_BYTES(again, pose);
 }
 
-/* ---- The wrong model ----------------------------------------------------------------------------- */
+/* ---- Models and their work memory ----------------------------------------------------------------- */
 
-static void each_lift_refuses_the_others_models(void)
+static void the_work_memory_of_fconn_is_too_small(void)
 {
     static edml_work plain;
     static edml_work_q plain_q24;
     static edml_track track, track_before;
-    edml_pose_q whole;
+    edml_pose_q lifted, lifted_before;
     someone(2);
     memset(&pose, 0x55, sizeof pose);
     again = pose;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift(&pose, in, &f32, &plain, sizeof plain));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift(&pose, in, &q7, &plain, sizeof plain));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q(&whole, in_q16, &f32, &plain_q24, sizeof plain_q24));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q(&whole, in_q16, &q7, &plain_q24, sizeof plain_q24));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift(&pose, in, &edml_fconn_f32, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift(&pose, in, &edml_fconn_w8, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q(&whole, in_q16, &f32, &work_q24, sizeof work_q24));
+    memset(&lifted, 0x55, sizeof lifted);
+    lifted_before = lifted;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_WORK_TOO_SMALL, edml_lift(&pose, in, &f32, &plain, sizeof plain));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_WORK_TOO_SMALL, edml_lift(&pose, in, &w8, &plain, sizeof plain));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_WORK_TOO_SMALL,
+                          edml_lift_q(&lifted, in_q16, &w8, &plain_q24, sizeof plain_q24));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL,
-                          edml_lift_q(&whole, in_q16, &edml_fconn_w8, &work_q24, sizeof work_q24));
+                          edml_lift_q(&lifted, in_q16, &f32, &plain_q24, sizeof plain_q24));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q(&lifted, in_q16, &f32, &work_q24, sizeof work_q24));
     edml_track_start(&track);
     track_before = track;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_track_lift(&pose, &track, in, 1, &f32, &plain, sizeof plain));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_WORK_TOO_SMALL,
+                          edml_track_lift(&pose, &track, in, 1, &f32, &plain, sizeof plain));
     TEST_ASSERT_SAME_BYTES(track_before, track);
     TEST_ASSERT_SAME_BYTES(again, pose);
+    TEST_ASSERT_SAME_BYTES(lifted_before, lifted);
 }
 
-static void check_all_nan(const float distance[EDML_PAIRS])
-{
-    for (int k = 0; k < EDML_PAIRS; k++) TEST_ASSERT_TRUE(distance[k] != distance[k]);
-}
-
-static void the_stage_of_the_other_network_gives_nan(void)
+static void the_network_alone_refuses_it_too(void)
 {
     static edml_work plain;
-    float edm[EDML_PAIRS] = {0}, distance[EDML_PAIRS] = {0};
-    edml_predict(distance, edm, &f32, &plain, sizeof plain);
-    check_all_nan(distance);
-    memset(distance, 0, sizeof distance);
-    edml_predict(distance, edm, &q7, &plain, sizeof plain);
-    check_all_nan(distance);
-    memset(distance, 0, sizeof distance);
-    edml_predict(distance, edm, &edml_fconn_f32, &work, sizeof work);
-    check_all_nan(distance);
-    memset(distance, 0, sizeof distance);
-    edml_predict(distance, edm, &edml_fconn_w16, &work, sizeof work);
-    check_all_nan(distance);
+    static edml_work_q plain_q24;
+    float edm[EDML_PAIRS] = {0}, distance[EDML_PAIRS] = {7};
+    int32_t edm_q24[EDML_PAIRS] = {0}, distance_q24[EDML_PAIRS] = {7};
+    const float before[EDML_PAIRS] = {7};
+    const int32_t before_q24[EDML_PAIRS] = {7};
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_WORK_TOO_SMALL, edml_predict(distance, edm, &f32, &plain, sizeof plain));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_WORK_TOO_SMALL, edml_predict(distance, edm, &w8, &plain, sizeof plain));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_WORK_TOO_SMALL,
+                          edml_predict_q(distance_q24, edm_q24, &w8, &plain_q24, sizeof plain_q24));
+    TEST_ASSERT_SAME_BYTES(before, distance);
+    TEST_ASSERT_SAME_BYTES(before_q24, distance_q24);
+}
+
+static void fconn_takes_the_larger_work_memory_as_well(void)
+{
+    static edml_work plain;
+    static edml_work_q plain_q24;
+    edml_pose_q lifted, other;
+    const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8};
+    someone(3);
+    memset(&pose, 0, sizeof pose);
+    memset(&again, 0, sizeof again);
+    memset(&lifted, 0, sizeof lifted);
+    memset(&other, 0, sizeof other);
+    for (int n = 0; n < 3; n++) {
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&pose, in, models[n], &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, models[n], &plain, sizeof plain));
+        TEST_ASSERT_SAME_BYTES(again, pose);
+        if (n == 0) continue;
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&lifted, in_q16, models[n], &work_q24, sizeof work_q24));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&other, in_q16, models[n], &plain_q24, sizeof plain_q24));
+        TEST_ASSERT_SAME_BYTES(other, lifted);
+    }
 }
 
 static void check_flipped_byte(const edml_model *model, void *byte)
@@ -253,9 +271,9 @@ static void one_flipped_bit_is_noticed(void)
     check_flipped_byte(&f32, &tiny_weight_f32[0][0]);
     check_flipped_byte(&f32, &tiny_weight_f32[3][49 * 8 * 16 - 1]);
     check_flipped_byte(&f32, &tiny_bias_f32[4][0]);
-    check_flipped_byte(&q7, &tiny_weight[4][0]);
-    check_flipped_byte(&q7, &tiny_bias[1][15]);
-    check_flipped_byte(&q7, &tiny_factor[2][7]);
+    check_flipped_byte(&w8, &tiny_weight[4][0]);
+    check_flipped_byte(&w8, &tiny_bias[1][15]);
+    check_flipped_byte(&w8, &tiny_multiplier[2][7]);
 }
 
 static void work_memory_is_what_the_header_says(void)
@@ -269,16 +287,17 @@ int main(void)
     make_models();
     UNITY_BEGIN();
     RUN_TEST(the_float_network_is_numpys);
-    RUN_TEST(whole_numbers_are_numpys_exactly);
-    RUN_TEST(whole_numbers_are_near_floats);
+    RUN_TEST(integers_are_numpys_exactly);
+    RUN_TEST(integers_are_near_floats);
     RUN_TEST(what_work_memory_held_does_not_matter);
     RUN_TEST(input_beyond_any_edm_is_limited);
     RUN_TEST(distances_end_at_zero_and_three_metres);
     RUN_TEST(a_lift_is_its_stages);
     RUN_TEST(both_lifts_give_the_same_pose);
     RUN_TEST(bad_input_gets_its_status);
-    RUN_TEST(each_lift_refuses_the_others_models);
-    RUN_TEST(the_stage_of_the_other_network_gives_nan);
+    RUN_TEST(the_work_memory_of_fconn_is_too_small);
+    RUN_TEST(the_network_alone_refuses_it_too);
+    RUN_TEST(fconn_takes_the_larger_work_memory_as_well);
     RUN_TEST(one_flipped_bit_is_noticed);
     RUN_TEST(work_memory_is_what_the_header_says);
     return UNITY_END();

@@ -4,7 +4,7 @@
  */
 #include <stdlib.h>
 
-#include "fixed.h"
+#include "number/fixed.h"
 #include "helpers.h"
 
 static uint64_t bits64(rng *r) { return (uint64_t)rng_bits(r) << 32 | rng_bits(r); }

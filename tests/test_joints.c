@@ -1,4 +1,4 @@
-/* joints.c, and what the header alone promises.
+/* joints/joints.c and status.c, and what the header alone promises.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -15,8 +15,8 @@ static void each_joint_has_its_own_name(void)
 
 static void names_follow_the_order_of_the_enumeration(void)
 {
-    TEST_ASSERT_EQUAL_STRING("head_top", edml_joint_name(EDML_HEAD));
-    TEST_ASSERT_EQUAL_STRING("neck", edml_joint_name(EDML_NECK_BASE));
+    TEST_ASSERT_EQUAL_STRING("head", edml_joint_name(EDML_HEAD));
+    TEST_ASSERT_EQUAL_STRING("neck_base", edml_joint_name(EDML_NECK_BASE));
     TEST_ASSERT_EQUAL_STRING("right_shoulder", edml_joint_name(EDML_R_SHOULDER));
     TEST_ASSERT_EQUAL_STRING("right_wrist", edml_joint_name(EDML_R_WRIST));
     TEST_ASSERT_EQUAL_STRING("left_elbow", edml_joint_name(EDML_L_ELBOW));
@@ -53,8 +53,8 @@ static void mirroring_swaps_right_and_left_in_the_name(void)
     }
 }
 
-/* A tree that hangs from the neck, parents first: what a program that draws it relies on. */
-static void bones_form_a_tree_from_the_neck(void)
+/* A tree that hangs from the neck base, parents first: what a program that draws it relies on. */
+static void bones_form_a_tree_from_the_neck_base(void)
 {
     int reached[EDML_JOINTS] = {0};
     reached[EDML_NECK_BASE] = 1;
@@ -84,9 +84,12 @@ static void every_status_has_its_name(void)
     TEST_ASSERT_EQUAL_STRING("not_finite", edml_status_name(EDML_ERR_NOT_FINITE));
     TEST_ASSERT_EQUAL_STRING("too_few_joints", edml_status_name(EDML_ERR_TOO_FEW_JOINTS));
     TEST_ASSERT_EQUAL_STRING("degenerate", edml_status_name(EDML_ERR_DEGENERATE));
-    TEST_ASSERT_EQUAL_STRING("unusual", edml_status_name(EDML_ERR_ASPECT));
+    TEST_ASSERT_EQUAL_STRING("aspect", edml_status_name(EDML_ERR_ASPECT));
     TEST_ASSERT_EQUAL_STRING("model", edml_status_name(EDML_ERR_MODEL));
     TEST_ASSERT_EQUAL_STRING("camera", edml_status_name(EDML_ERR_CAMERA));
+    TEST_ASSERT_EQUAL_STRING("time", edml_status_name(EDML_ERR_TIME));
+    TEST_ASSERT_EQUAL_STRING("body", edml_status_name(EDML_ERR_BODY));
+    TEST_ASSERT_EQUAL_STRING("work_too_small", edml_status_name(EDML_ERR_WORK_TOO_SMALL));
 }
 
 static void only_success_is_zero_and_errors_are_negative(void)
@@ -113,7 +116,8 @@ static void pairs_are_counted_row_by_row_above_the_diagonal(void)
 static void the_version_is_the_same_as_a_number_and_as_text(void)
 {
     char text[16];
-    snprintf(text, sizeof text, "%d.%d", EDML_VERSION >> 16, EDML_VERSION & 0xFFFF);
+    snprintf(text, sizeof text, "%d.%d.%d", EDML_VERSION >> 16, EDML_VERSION >> 8 & 0xFF,
+             EDML_VERSION & 0xFF);
     TEST_ASSERT_EQUAL_STRING(EDML_VERSION_STRING, text);
 }
 
@@ -127,7 +131,7 @@ int main(void)
     RUN_TEST(joints_that_do_not_exist_have_the_name_of_none);
     RUN_TEST(mirroring_twice_changes_nothing);
     RUN_TEST(mirroring_swaps_right_and_left_in_the_name);
-    RUN_TEST(bones_form_a_tree_from_the_neck);
+    RUN_TEST(bones_form_a_tree_from_the_neck_base);
     RUN_TEST(the_mirror_image_of_a_bone_is_a_bone);
     RUN_TEST(every_status_has_its_name);
     RUN_TEST(only_success_is_zero_and_errors_are_negative);

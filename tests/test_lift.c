@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "helpers.h"
-#include "model.h" /* to put a network of our own into a model */
+#include "network/model.h" /* to put a network of our own into a model */
 
 static edml_work work, other_work;
 static edml_pose pose, again;
@@ -48,10 +48,10 @@ static void check_same_numbers(void)
 /* ---- With a network that knows the answer -------------------------------------------------------- */
 
 static void know(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,
-                 float layer[2][EDML_MAX_UNITS])
+                 void *scratch)
 {
     (void)edm;
-    (void)layer;
+    (void)scratch;
     memcpy(distance, model->layers, EDML_PAIRS * sizeof *distance);
 }
 
@@ -75,7 +75,7 @@ static void true_distances_give_the_true_pose(void)
     human_pose(person);
     pair_distances(truth, person);
     for (int n = 0; n < 100; n++) {
-        rotate(turned, random_rotation(&r), person); /* the camera goes around */
+        rotate_points(turned, random_rotation(&r), person); /* the camera goes around */
         photograph(in, turned);
         const edml_objective objective = (edml_objective)(n % 4);
         const edml_model model = all_knowing(truth, objective, 5);
@@ -313,11 +313,11 @@ static void what_work_memory_held_does_not_matter(void)
 
 /* Another lift between two stages of one: what an interrupt or a second thread would do. */
 static void interrupt(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
-                      const edml_model *model, float layer[2][EDML_MAX_UNITS])
+                      const edml_model *model, void *scratch)
 {
     edml_pose other;
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&other, whole, &edml_fconn_f32, &other_work, sizeof other_work));
-    edml_fconn_f32.predict_f32(distance, edm, model, layer);
+    edml_fconn_f32.predict_f32(distance, edm, model, scratch);
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&other, whole, &edml_fconn_f32, &other_work, sizeof other_work));
 }
 
@@ -359,7 +359,7 @@ static void null_is_refused(void)
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(NULL, in, &edml_fconn_f32, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, NULL, &edml_fconn_f32, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, in, NULL, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, in, &edml_fconn_f32, NULL));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift(&pose, in, &edml_fconn_f32, NULL, sizeof work));
     TEST_ASSERT_SAME_BYTES(again, pose);
 }
 

@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "helpers.h"
-#include "model.h" /* to put a network of our own into a model */
+#include "network/model.h" /* to put a network of our own into a model */
 
 enum { PIXEL = 1 << 16, LIMIT = 1 << 29 };
 
@@ -62,7 +62,7 @@ static void it_is_the_float_lift_to_a_millimetre(void)
             image[j].c = in[j].c;
         }
         const edml_status status = edml_lift(&expected, image, &edml_fconn_w16, &floats, sizeof floats);
-        TEST_ASSERT_EQUAL_INT(status, q24_lift(&found, image, &edml_fconn_w16, &floats));
+        TEST_ASSERT_EQUAL_INT(status, q24_lift(&found, image, &edml_fconn_w16, &floats, sizeof floats));
         if (status != EDML_OK || expected.mirror_margin < 0.01F) continue; /* rounding may decide */
         worst = worse(worst, worst_joint_error(expected.joint, found.joint));
         worst_margin = worse(worst_margin, fabsf(expected.mirror_margin - found.mirror_margin));
@@ -170,11 +170,11 @@ static void what_work_memory_held_does_not_matter(void)
 
 /* Another lift between two stages of one: what an interrupt or a second thread would do. */
 static void interrupt(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
-                      const edml_model *model, int32_t layer[2][EDML_MAX_UNITS])
+                      const edml_model *model, void *scratch)
 {
     edml_pose_q other;
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&other, whole, &edml_fconn_w16, &other_work, sizeof other_work));
-    edml_fconn_w16.predict_q(distance, edm, model, layer);
+    edml_fconn_w16.predict_q(distance, edm, model, scratch);
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&other, whole, &edml_fconn_w16, &other_work, sizeof other_work));
 }
 
@@ -206,7 +206,7 @@ static void null_is_refused(void)
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_q(NULL, in, &edml_fconn_w16, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_q(&pose, NULL, &edml_fconn_w16, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_q(&pose, in, NULL, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_q(&pose, in, &edml_fconn_w16, NULL));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_lift_q(&pose, in, &edml_fconn_w16, NULL, sizeof work));
 }
 
 static void a_float_network_is_refused(void)

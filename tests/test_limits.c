@@ -1,4 +1,4 @@
-/* limits.inc: bones that point where people's do not, and the mirror image that has fewer.
+/* optional/joint_limits.h: bones that point where people's do not, and the mirror image that has fewer.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,11 +20,25 @@ static void pose_of(edml_pose *of, const edml_point joint[EDML_JOINTS])
     of->seen = ALL_SEEN;
 }
 
+static int violations_of(const edml_pose *of)
+{
+    int violations = -1;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_joint_limits(&violations, of));
+    return violations;
+}
+
+static int reflect_pose(edml_pose *of)
+{
+    int fewer = -1;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_reflect_by_joint_limits(&fewer, of));
+    return fewer;
+}
+
 static int beyond(const edml_point joint[EDML_JOINTS])
 {
     edml_pose of;
     pose_of(&of, joint);
-    return edml_joint_limits(&of);
+    return violations_of(&of);
 }
 
 /* Onto a grid of 2^-10 m, which every format holds exactly. */
@@ -86,7 +100,7 @@ static void turning_moving_and_size_do_not_matter(void)
     for (int n = 0; n < PEOPLE; n++) {
         random_human(&r, person);
         const float size = uniform(&r, 0.5F, 1.5F);
-        rotate(x, random_rotation(&r), person);
+        rotate_points(x, random_rotation(&r), person);
         for (int j = 0; j < EDML_JOINTS; j++) {
             x[j].x = size * x[j].x + 1;
             x[j].y *= size;
@@ -96,13 +110,13 @@ static void turning_moving_and_size_do_not_matter(void)
         some += found > 0;
         other += found != beyond(x);
     }
-    printf("limits: %d of %d people beyond, %d counted otherwise when turned\n", some, PEOPLE, other);
+    printf("joint limits: %d of %d people beyond, %d counted otherwise when turned\n", some, PEOPLE, other);
     TEST_ASSERT_TRUE(some > PEOPLE / 4 && some < PEOPLE);
     TEST_ASSERT_TRUE(other <= LIMITS_TURNED);
 }
 
 /* Right for left and left for right, seen in a mirror: another person who is as human. */
-static void the_person_with_right_and_left_exchanged_is_as_human(void)
+static void the_person_with_right_and_left_swapped_is_as_human(void)
 {
     rng r = rng_seed(152);
     int other = 0;
@@ -114,7 +128,7 @@ static void the_person_with_right_and_left_exchanged_is_as_human(void)
         }
         other += beyond(person) != beyond(x);
     }
-    TEST_ASSERT_TRUE(other <= LIMITS_EXCHANGED);
+    TEST_ASSERT_TRUE(other <= LIMITS_SWAPPED);
 }
 
 static void bones_and_torsos_without_direction_count(void)
@@ -143,7 +157,7 @@ static void a_person_is_left_alone_with_a_margin(void)
     pose_of(&pose, person);
     before = pose;
     reflect(x, person);
-    TEST_ASSERT_EQUAL_INT(beyond(x), edml_reflect_by_joint_limits(&pose));
+    TEST_ASSERT_EQUAL_INT(beyond(x), reflect_pose(&pose));
     TEST_ASSERT_SAME_BYTES(before, pose);
 }
 
@@ -153,7 +167,7 @@ static void the_mirror_image_comes_back_as_the_person(void)
     round_points(person);
     reflect(x, person);
     pose_of(&pose, x);
-    TEST_ASSERT_EQUAL_INT(beyond(x), edml_reflect_by_joint_limits(&pose));
+    TEST_ASSERT_EQUAL_INT(beyond(x), reflect_pose(&pose));
     TEST_ASSERT_ERROR_UP_TO(0, worst_joint_error(person, pose.joint));
     TEST_ASSERT_TRUE(pose.mirror_margin == 0 && pose.residual == 0.25F && pose.seen == ALL_SEEN);
 }
@@ -164,11 +178,11 @@ static void any_mirror_image_comes_back_as_the_person_turned(void)
     human_pose(person);
     for (int n = 0; n < 50; n++) {
         reflect(x, person);
-        rotate(x, random_rotation(&r), x);
+        rotate_points(x, random_rotation(&r), x);
         pose_of(&pose, x);
-        TEST_ASSERT_TRUE(edml_reflect_by_joint_limits(&pose) >= 3);
+        TEST_ASSERT_TRUE(reflect_pose(&pose) >= 3);
         TEST_ASSERT_TRUE(same_handedness(pose.joint, person));
-        TEST_ASSERT_EQUAL_INT(0, edml_joint_limits(&pose));
+        TEST_ASSERT_EQUAL_INT(0, violations_of(&pose));
     }
 }
 
@@ -184,12 +198,12 @@ static void the_choice_is_never_the_worse_one_and_a_second_run_agrees(void)
         round_points(x);
         pose_of(&pose, x);
         before = pose;
-        const int given = edml_joint_limits(&pose), fewer = edml_reflect_by_joint_limits(&pose);
+        const int given = violations_of(&pose), fewer = reflect_pose(&pose);
         const int turned = memcmp(&pose, &before, sizeof pose) != 0;
         TEST_ASSERT_TRUE(fewer >= 0 && fewer <= ALL_BONES && (fewer > 0 || !turned));
-        TEST_ASSERT_EQUAL_INT(turned ? given - fewer : given, edml_joint_limits(&pose));
+        TEST_ASSERT_EQUAL_INT(turned ? given - fewer : given, violations_of(&pose));
         before = pose;
-        TEST_ASSERT_EQUAL_INT(fewer, edml_reflect_by_joint_limits(&pose));
+        TEST_ASSERT_EQUAL_INT(fewer, reflect_pose(&pose));
         TEST_ASSERT_SAME_BYTES(before, pose);
         undecided += fewer == 0;
     }
@@ -201,12 +215,14 @@ static void the_choice_is_never_the_worse_one_and_a_second_run_agrees(void)
 static void check_no_pose(void)
 {
     before = pose;
-    TEST_ASSERT_EQUAL_INT(ALL_BONES, edml_joint_limits(&pose));
-    TEST_ASSERT_EQUAL_INT(0, edml_reflect_by_joint_limits(&pose));
+    int count = 77;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_joint_limits(&count, &pose));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_reflect_by_joint_limits(&count, &pose));
+    TEST_ASSERT_EQUAL_INT(77, count);
     TEST_ASSERT_SAME_BYTES(before, pose);
 }
 
-static void what_is_no_pose_is_beyond_all_limits_and_stays(void)
+static void what_is_no_pose_is_refused_and_stays(void)
 {
     const float bad[] = {NAN, INFINITY, -INFINITY, 4, -4, 1e30F};
     human_pose(person);
@@ -215,8 +231,14 @@ static void what_is_no_pose_is_beyond_all_limits_and_stays(void)
         (&pose.joint[0].x)[n / 6] = bad[n % 6];
         check_no_pose();
     }
-    TEST_ASSERT_EQUAL_INT(ALL_BONES, edml_joint_limits(NULL));
-    TEST_ASSERT_EQUAL_INT(0, edml_reflect_by_joint_limits(NULL));
+    int count = 77;
+    before = pose;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_joint_limits(&count, NULL));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_joint_limits(NULL, &pose));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_reflect_by_joint_limits(&count, NULL));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_reflect_by_joint_limits(NULL, &pose));
+    TEST_ASSERT_EQUAL_INT(77, count);
+    TEST_ASSERT_SAME_BYTES(before, pose);
 }
 
 #ifndef EDML_TEST_Q24
@@ -233,10 +255,13 @@ static void fixed_point_counts_the_same(void)
         round_points(x);
         pose_of(&pose, x);
         pose_to_q16(&given, &pose);
-        other += edml_joint_limits(&pose) != edml_joint_limits_q(&given);
-        other += edml_reflect_by_joint_limits(&pose) != edml_reflect_by_joint_limits_q(&given);
+        int count = -1;
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_joint_limits_q(&count, &given));
+        other += violations_of(&pose) != count;
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_reflect_by_joint_limits_q(&count, &given));
+        other += reflect_pose(&pose) != count;
     }
-    printf("limits: %d of %d counts are others in fixed point\n", other, 8 * PEOPLE);
+    printf("joint limits: %d of %d counts are others in fixed point\n", other, 8 * PEOPLE);
     TEST_ASSERT_TRUE(other <= LIMITS_FIXED);
 }
 #endif
@@ -247,13 +272,13 @@ int main(void)
     RUN_TEST(a_person_is_human_and_the_mirror_image_is_not);
     RUN_TEST(a_joint_bent_the_wrong_way_is_found);
     RUN_TEST(turning_moving_and_size_do_not_matter);
-    RUN_TEST(the_person_with_right_and_left_exchanged_is_as_human);
+    RUN_TEST(the_person_with_right_and_left_swapped_is_as_human);
     RUN_TEST(bones_and_torsos_without_direction_count);
     RUN_TEST(a_person_is_left_alone_with_a_margin);
     RUN_TEST(the_mirror_image_comes_back_as_the_person);
     RUN_TEST(any_mirror_image_comes_back_as_the_person_turned);
     RUN_TEST(the_choice_is_never_the_worse_one_and_a_second_run_agrees);
-    RUN_TEST(what_is_no_pose_is_beyond_all_limits_and_stays);
+    RUN_TEST(what_is_no_pose_is_refused_and_stays);
 #ifndef EDML_TEST_Q24
     RUN_TEST(fixed_point_counts_the_same);
 #endif

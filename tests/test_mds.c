@@ -132,7 +132,7 @@ static void turning_moving_and_mirroring_the_person_changes_rounding_only(void)
     pair_distances(distance, y);
     for (int n = 0; n < 50; n++) {
         edml_point turned[EDML_JOINTS];
-        rotate(turned, random_rotation(&r), y);
+        rotate_points(turned, random_rotation(&r), y);
         if (n % 2) reflect(turned, turned);
         for (int j = 0; j < EDML_JOINTS; j++) turned[j].z += 5;
         pair_distances(found, turned);

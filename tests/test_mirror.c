@@ -47,7 +47,7 @@ static void any_mirror_image_comes_back_as_the_person_turned(void)
     const float margin = run(x);
     for (int n = 0; n < 50; n++) {
         reflect(y, person);
-        rotate(y, random_rotation(&r), y);
+        rotate_points(y, random_rotation(&r), y);
         TEST_ASSERT_FLOAT_WITHIN(MARGIN_TOLERANCE, margin, run(y));
         TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_distance_error(y, distance));
         TEST_ASSERT_TRUE(same_handedness(y, person));
@@ -62,7 +62,7 @@ static void turning_and_moving_changes_neither_choice_nor_margin(void)
         memcpy(x, person, sizeof x);
         const float margin = run(x);
         if (margin < 0.01F) continue; /* rounding may decide */
-        rotate(y, random_rotation(&r), x);
+        rotate_points(y, random_rotation(&r), x);
         for (int j = 0; j < EDML_JOINTS; j++) y[j].x += 1;
         memcpy(person, y, sizeof person);
         TEST_ASSERT_FLOAT_WITHIN(MARGIN_TOLERANCE, margin, run(y));

@@ -1,10 +1,10 @@
-/* fconn.inc, twin.inc and model.c: the network in float and in whole numbers.  The float one's values are
+/* network/: FConn in float and in integers, and models.  The float one's values are
  * compared with NumPy's in test_vectors.c.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "helpers.h"
-#include "model.h" /* to make models of our own: what a generated header fills in */
+#include "network/kernels.h" /* to make models of our own: what a generated header fills in */
 
 static edml_work work;
 static float edm[EDML_PAIRS], distance[EDML_PAIRS], again[EDML_PAIRS];
@@ -52,8 +52,8 @@ enum { GROUPS = (EDML_PAIRS + EDML_ROWS - 1) / EDML_ROWS };
 static float weight[GROUPS][EDML_PAIRS][EDML_ROWS], bias[GROUPS * EDML_ROWS];
 static edml_dense_f32 layers[2];
 
-/* `count` layers y_n = relu(scale x_n + bias_n); scale and biases are powers of two or small whole
- * numbers, so that results are exact. */
+/* `count` layers y_n = relu(scale x_n + bias_n); scale and biases are powers of two or small
+ * integers, so that results are exact. */
 static edml_model diagonal_model(float scale, float bias0, int count)
 {
     memset(weight, 0, sizeof weight);
@@ -68,7 +68,7 @@ static edml_model diagonal_model(float scale, float bias0, int count)
     }
     edml_model model = edml_fconn_f32;
     model.predict_f32 = edml__fconn_f32;
-    model.compute_checksum = edml__fconn_hash_f32;
+    model.compute_checksum = edml__fconn_checksum_f32;
     model.layers = layers;
     model.layer_count = (uint8_t)count;
     model.checksum = model.compute_checksum(&model);
@@ -115,40 +115,40 @@ static void layers_follow_one_another(void)
     for (int n = 0; n < EDML_PAIRS; n++) TEST_ASSERT_TRUE(distance[n] == (float)(4 * n + 3 * n));
 }
 
-/* ---- Whole numbers, against model.h's definition written plainly -------------------------------- */
+/* ---- Integers, against model.h's definition written plainly -------------------------------- */
 
 enum { WIDE = EDML_MAX_UNITS, HIGHEST = 127 << 24 };
 
 static edml_work_q work_q24;
 static int32_t edm_q24[EDML_PAIRS], distance_q24[EDML_PAIRS], wanted_q24[EDML_PAIRS];
 
-static int is_twin(const edml_model *model)
+static int is_equivariant(const edml_model *model)
 {
-    return model->predict_q == edml__twin_q15 || model->predict_q == edml__twin_q7;
+    return model->predict_q == edml__equivariant_w16 || model->predict_q == edml__equivariant_w8;
 }
 
-static int is_q15(const edml_model *model)
+static int is_w16(const edml_model *model)
 {
-    return model->predict_q == edml__fconn_q15 || model->predict_q == edml__twin_q15;
+    return model->predict_q == edml__fconn_w16 || model->predict_q == edml__equivariant_w16;
 }
 
 /* Layer n of a quantised model; one of 8 bits gets weights of 16 from the caller. */
 static edml_dense_w16 wide_layer(const edml_model *model, int n, int16_t wide[WIDE * WIDE])
 {
-    if (is_q15(model)) return ((const edml_dense_w16 *)model->layers)[n];
+    if (is_w16(model)) return ((const edml_dense_w16 *)model->layers)[n];
     const edml_dense_w8 *narrow = &((const edml_dense_w8 *)model->layers)[n];
     const int count = (narrow->outputs + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS * narrow->inputs;
     for (int k = 0; k < count; k++) wide[k] = narrow->weight[k];
     const edml_dense_w16 layer = {narrow->inputs, narrow->outputs, wide,        narrow->bias,
-                                  narrow->multiplier, narrow->shift,   narrow->most};
+                                  narrow->multiplier, narrow->shift,   narrow->clamp};
     return layer;
 }
 
 /* floor(value / 2^shift), limited */
-static int64_t scaled_down(int64_t value, int shift, int64_t most)
+static int64_t scaled_down(int64_t value, int shift, int64_t limit)
 {
     if (value < 0) return 0;
-    return value >> shift < most ? value >> shift : most;
+    return value >> shift < limit ? value >> shift : limit;
 }
 
 static int64_t weight_of(const edml_dense_w16 *layer, int row, int input)
@@ -160,7 +160,7 @@ static int64_t activated(int64_t sum, const edml_dense_w16 *layer, int row)
 {
     const int64_t half = (int64_t)1 << (layer->shift - 1);
     TEST_ASSERT_TRUE(INT32_MIN <= sum && sum <= INT32_MAX);
-    return scaled_down(sum * layer->multiplier[row] + half, layer->shift, layer->most);
+    return scaled_down(sum * layer->multiplier[row] + half, layer->shift, layer->clamp);
 }
 
 static int16_t wide_weights[WIDE * WIDE];
@@ -185,30 +185,30 @@ static void expect_fconn(const int32_t edm_in[EDML_PAIRS], const edml_model *mod
 }
 
 /* The pair with left for right. */
-static int twin_of(int i, int j)
+static int mirror_pair_of(int i, int j)
 {
     const int a = edml_mirror_joint[i], b = edml_mirror_joint[j];
     return a < b ? EDML_PAIR(a, b) : EDML_PAIR(b, a);
 }
 
-/* Pairs in their order, of twins the first alone; and the others, their own twins, behind. */
-static int first_twins(int pair[49])
+/* Pairs in their order, the first of two mirror pairs alone; then those that mirror themselves. */
+static int first_pairs(int pair[49])
 {
     int count = 0;
     for (int own = 0; own < 2; own++)
         for (int i = 0; i < EDML_JOINTS; i++)
             for (int j = i + 1; j < EDML_JOINTS; j++)
-                if (own ? EDML_PAIR(i, j) == twin_of(i, j) : EDML_PAIR(i, j) < twin_of(i, j))
+                if (own ? EDML_PAIR(i, j) == mirror_pair_of(i, j) : EDML_PAIR(i, j) < mirror_pair_of(i, j))
                     pair[count++] = EDML_PAIR(i, j);
     return count;
 }
 
-static int twin_pair[EDML_PAIRS]; /* of each pair */
+static int mirror_pair[EDML_PAIRS]; /* of each pair */
 
-static void fill_twin_pairs(void)
+static void fill_mirror_pairs(void)
 {
     for (int i = 0; i < EDML_JOINTS; i++)
-        for (int j = i + 1; j < EDML_JOINTS; j++) twin_pair[EDML_PAIR(i, j)] = twin_of(i, j);
+        for (int j = i + 1; j < EDML_JOINTS; j++) mirror_pair[EDML_PAIR(i, j)] = mirror_pair_of(i, j);
 }
 
 /* d^2 / (d + 0.6) in Q12, less 3.5. */
@@ -218,15 +218,15 @@ static int64_t softened(int32_t q24)
     return (d * d + sum / 2) / sum - 14336;
 }
 
-static void expect_twin(const int32_t edm_in[EDML_PAIRS], const edml_model *model)
+static void expect_equivariant(const int32_t edm_in[EDML_PAIRS], const edml_model *model)
 {
-    int64_t x[2][WIDE], y[2][WIDE]; /* first twins and second ones */
-    int pair[49], count = first_twins(pair);
+    int64_t x[2][WIDE], y[2][WIDE]; /* first pairs and their mirror pairs */
+    int pair[49], count = first_pairs(pair);
     TEST_ASSERT_EQUAL_INT(49, count);
-    fill_twin_pairs();
+    fill_mirror_pairs();
     for (int k = 0; k < count; k++) {
         x[0][k] = softened(edm_in[pair[k]]);
-        x[1][k] = softened(edm_in[twin_pair[pair[k]]]);
+        x[1][k] = softened(edm_in[mirror_pair[pair[k]]]);
     }
     for (int n = 0; n < model->layer_count; n++) {
         const edml_dense_w16 layer = wide_layer(model, n, wide_weights);
@@ -247,14 +247,14 @@ static void expect_twin(const int32_t edm_in[EDML_PAIRS], const edml_model *mode
     }
     for (int k = 0; k < count; k++) {
         wanted_q24[pair[k]] = (int32_t)x[0][k];
-        wanted_q24[twin_pair[pair[k]]] = (int32_t)x[1][k];
+        wanted_q24[mirror_pair[pair[k]]] = (int32_t)x[1][k];
     }
 }
 
 static void expect_distances(const int32_t edm_in[EDML_PAIRS], const edml_model *model)
 {
-    if (is_twin(model))
-        expect_twin(edm_in, model);
+    if (is_equivariant(model))
+        expect_equivariant(edm_in, model);
     else
         expect_fconn(edm_in, model);
 }
@@ -297,27 +297,26 @@ static void quantised_models_are_as_defined(void)
 }
 
 /* Random layers with sums of up to 31 bits: 128 * 255 * 32767 + 2^30 < 2^31. */
-static int16_t weight_q15[2][WIDE * WIDE];
-static int8_t weight_q7[2][WIDE * WIDE];
-static int32_t bias_q24[2][WIDE], factor_q24[2][WIDE];
-static edml_dense_w16 layers_q15[2];
-static edml_dense_w8 layers_q7[2];
+static int16_t weight_w16[2][WIDE * WIDE];
+static int8_t weight_w8[2][WIDE * WIDE];
+static int32_t bias_q24[2][WIDE], multiplier_q24[2][WIDE];
+static edml_dense_w16 layers_w16[2];
+static edml_dense_w8 layers_w8[2];
 
 /* Of one kind and one format, each by an example. */
 typedef struct {
-    void (*predict)(int32_t *distance, const int32_t *edm, const edml_model *model,
-                    int32_t layer[2][EDML_MAX_UNITS]);
-    uint32_t (*hash)(const edml_model *model);
-    int q15;
+    void (*predict)(int32_t *distance, const int32_t *edm, const edml_model *model, void *scratch);
+    uint32_t (*compute_checksum)(const edml_model *model);
+    int w16;
     uint16_t units, inputs, outputs; /* of the first layer; of the second */
-    int32_t most;
+    int32_t clamp;
 } kind;
 
-static const kind fconn_q15 = {edml__fconn_q15, edml__fconn_hash_q15, 1, 100, 100, EDML_PAIRS, 32767};
-static const kind fconn_q7 = {edml__fconn_q7, edml__fconn_hash_q7, 0, 100, 100, EDML_PAIRS, 32767};
-static const kind twin_q15 = {edml__twin_q15, edml__twin_hash_q15, 1, 48, 96, 49, 16383};
-static const kind twin_q7 = {edml__twin_q7, edml__twin_hash_q7, 0, 48, 96, 49, 16383};
-static const kind *const kinds[] = {&fconn_q15, &fconn_q7, &twin_q15, &twin_q7};
+static const kind fconn_w16 = {edml__fconn_w16, edml__fconn_checksum_w16, 1, 100, 100, EDML_PAIRS, 32767};
+static const kind fconn_w8 = {edml__fconn_w8, edml__fconn_checksum_w8, 0, 100, 100, EDML_PAIRS, 32767};
+static const kind equivariant_w16 = {edml__equivariant_w16, edml__equivariant_checksum_w16, 1, 48, 96, 49, 16383};
+static const kind equivariant_w8 = {edml__equivariant_w8, edml__equivariant_checksum_w8, 0, 48, 96, 49, 16383};
+static const kind *const kinds[] = {&fconn_w16, &fconn_w8, &equivariant_w16, &equivariant_w8};
 
 static edml_model random_model(uint32_t seed, const kind *of)
 {
@@ -326,33 +325,33 @@ static edml_model random_model(uint32_t seed, const kind *of)
         const uint16_t inputs = n == 0 ? EDML_PAIRS : of->inputs;
         const uint16_t outputs = n == 0 ? of->units : of->outputs;
         const uint8_t shift = n == 0 ? 44 : 35;
-        const int32_t most = n == 0 ? of->most : 3 << 24;
+        const int32_t limit = n == 0 ? of->clamp : 3 << 24;
         for (int k = 0; k < WIDE * WIDE; k++) {
-            weight_q15[n][k] = (int16_t)((int)(rng_bits(&r) % 511) - 255);
-            weight_q7[n][k] = (int8_t)((int)(rng_bits(&r) % 255) - 127);
+            weight_w16[n][k] = (int16_t)((int)(rng_bits(&r) % 511) - 255);
+            weight_w8[n][k] = (int8_t)((int)(rng_bits(&r) % 255) - 127);
         }
         for (int k = 0; k < WIDE; k++) {
             bias_q24[n][k] = (int32_t)uniform(&r, -(1 << 29), 1 << 30);
-            factor_q24[n][k] = k == 0 ? 1 : k == 1 ? INT32_MAX : (int32_t)(rng_bits(&r) >> 1 | 1);
+            multiplier_q24[n][k] = k == 0 ? 1 : k == 1 ? INT32_MAX : (int32_t)(rng_bits(&r) >> 1 | 1);
         }
-        const edml_dense_w16 q15 = {inputs,        outputs, weight_q15[n], bias_q24[n],
-                                    factor_q24[n], shift,   most};
-        const edml_dense_w8 q7 = {inputs,        outputs, weight_q7[n], bias_q24[n],
-                                  factor_q24[n], shift,   most};
-        layers_q15[n] = q15;
-        layers_q7[n] = q7;
+        const edml_dense_w16 w16 = {inputs,        outputs, weight_w16[n], bias_q24[n],
+                                    multiplier_q24[n], shift,   limit};
+        const edml_dense_w8 w8 = {inputs,        outputs, weight_w8[n], bias_q24[n],
+                                  multiplier_q24[n], shift,   limit};
+        layers_w16[n] = w16;
+        layers_w8[n] = w8;
     }
-    /* Nothing is odd about pairs that are their own twins. */
+    /* Nothing is odd about pairs that mirror themselves. */
     for (int row = 42; of->outputs == 49 && row < 56; row++)
         for (int k = of->inputs / 2; k < of->inputs; k++) {
             const int at = (row / 8 * of->inputs + k) * 8 + row % 8;
-            weight_q15[1][at] = 0;
-            weight_q7[1][at] = 0;
+            weight_w16[1][at] = 0;
+            weight_w8[1][at] = 0;
         }
     edml_model model = edml_fconn_w16;
     model.predict_q = of->predict;
     model.compute_checksum = of->compute_checksum;
-    model.layers = of->q15 ? (const void *)layers_q15 : (const void *)layers_q7;
+    model.layers = of->w16 ? (const void *)layers_w16 : (const void *)layers_w8;
     model.layer_count = 2;
     model.checksum = model.compute_checksum(&model);
     return model;
@@ -368,21 +367,21 @@ static void random_layers_are_as_defined(void)
     }
 }
 
-/* Left and right exchanged in what goes in are exchanged in what comes out, to the last bit. */
+/* Left and right swapped in the input are swapped in the output, to the last bit. */
 static void left_and_right_are_alike(void)
 {
     float turned[EDML_PAIRS];
-    fill_twin_pairs();
+    fill_mirror_pairs();
     for (uint32_t seed = 0; seed < 20; seed++) {
         const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8};
         fill_edm(seed);
-        for (int k = 0; k < EDML_PAIRS; k++) turned[k] = edm[twin_pair[k]];
+        for (int k = 0; k < EDML_PAIRS; k++) turned[k] = edm[mirror_pair[k]];
         for (unsigned n = 0; n < sizeof models / sizeof *models; n++) {
             edml_predict(distance, edm, models[n], &work, sizeof work);
             edml_predict(again, turned, models[n], &work, sizeof work);
             int differ = 0;
             for (int k = 0; k < EDML_PAIRS; k++) {
-                TEST_ASSERT_TRUE(again[k] == distance[twin_pair[k]]);
+                TEST_ASSERT_TRUE(again[k] == distance[mirror_pair[k]]);
                 differ += again[k] != distance[k];
             }
             TEST_ASSERT_TRUE(differ > EDML_PAIRS / 2);
@@ -390,21 +389,21 @@ static void left_and_right_are_alike(void)
     }
 }
 
-/* One layer y_n = (sum_n factor + half) >> shift, sum_n = x_n + offset. */
-static edml_model identity_q15(int32_t offset, int32_t factor, uint8_t shift, int32_t most)
+/* One layer y_n = (sum_n multiplier + half) >> shift, sum_n = x_n + offset. */
+static edml_model identity_w16(int32_t offset, int32_t multiplier, uint8_t shift, int32_t clamp)
 {
-    memset(weight_q15[0], 0, sizeof weight_q15[0]);
+    memset(weight_w16[0], 0, sizeof weight_w16[0]);
     for (int n = 0; n < EDML_PAIRS; n++) {
-        weight_q15[0][n / EDML_ROWS * EDML_ROWS * EDML_PAIRS + n * EDML_ROWS + n % EDML_ROWS] = 1;
+        weight_w16[0][n / EDML_ROWS * EDML_ROWS * EDML_PAIRS + n * EDML_ROWS + n % EDML_ROWS] = 1;
         bias_q24[0][n] = offset;
-        factor_q24[0][n] = factor;
+        multiplier_q24[0][n] = multiplier;
     }
-    const edml_dense_w16 layer = {EDML_PAIRS,    EDML_PAIRS, weight_q15[0], bias_q24[0],
-                                  factor_q24[0], shift,      most};
-    layers_q15[0] = layer;
+    const edml_dense_w16 layer = {EDML_PAIRS,    EDML_PAIRS, weight_w16[0], bias_q24[0],
+                                  multiplier_q24[0], shift,      clamp};
+    layers_w16[0] = layer;
     edml_model model = edml_fconn_w16;
-    model.predict_q = edml__fconn_q15;
-    model.layers = layers_q15;
+    model.predict_q = edml__fconn_w16;
+    model.layers = layers_w16;
     model.layer_count = 1;
     return model;
 }
@@ -417,27 +416,27 @@ static int32_t first_distance(const edml_model *model, int32_t edm_value)
     return distance_q24[0];
 }
 
-static void whole_numbers_are_rounded_to_nearest(void)
+static void integers_are_rounded_to_nearest(void)
 {
-    const edml_model input = identity_q15(0, 2, 1, 3 << 24); /* y = x */
+    const edml_model input = identity_w16(0, 2, 1, 3 << 24); /* y = x */
     TEST_ASSERT_EQUAL_INT32(0, first_distance(&input, 2047));
     TEST_ASSERT_EQUAL_INT32(1, first_distance(&input, 2048));
     TEST_ASSERT_EQUAL_INT32(1, first_distance(&input, 4096 + 2047));
-    const edml_model output = identity_q15(0, 3, 3, 3 << 24); /* y = 3/8 x */
+    const edml_model output = identity_w16(0, 3, 3, 3 << 24); /* y = 3/8 x */
     TEST_ASSERT_EQUAL_INT32(0, first_distance(&output, 1 << 12));
     TEST_ASSERT_EQUAL_INT32(1, first_distance(&output, 2 << 12));
     TEST_ASSERT_EQUAL_INT32(2, first_distance(&output, 4 << 12)); /* a half goes up */
 }
 
-static void whole_numbers_are_limited(void)
+static void integers_are_limited(void)
 {
-    const edml_model wide = identity_q15(0, 2, 1, INT32_MAX);
+    const edml_model wide = identity_w16(0, 2, 1, INT32_MAX);
     TEST_ASSERT_EQUAL_INT32(EDML_ACTIVATION, first_distance(&wide, HIGHEST));
-    const edml_model far = identity_q15(INT32_MAX - EDML_ACTIVATION, INT32_MAX, 31, 3 << 24);
+    const edml_model far = identity_w16(INT32_MAX - EDML_ACTIVATION, INT32_MAX, 31, 3 << 24);
     TEST_ASSERT_EQUAL_INT32(3 << 24, first_distance(&far, HIGHEST));
-    const edml_model below = identity_q15(INT32_MIN, INT32_MAX, 1, 3 << 24);
+    const edml_model below = identity_w16(INT32_MIN, INT32_MAX, 1, 3 << 24);
     TEST_ASSERT_EQUAL_INT32(0, first_distance(&below, HIGHEST));
-    const edml_model tiny = identity_q15(INT32_MAX - EDML_ACTIVATION, INT32_MAX, 62, 3 << 24);
+    const edml_model tiny = identity_w16(INT32_MAX - EDML_ACTIVATION, INT32_MAX, 62, 3 << 24);
     TEST_ASSERT_EQUAL_INT32(1, first_distance(&tiny, HIGHEST));
 }
 
@@ -465,8 +464,8 @@ static float rms_from_float(const edml_model *model)
 
 static void quantised_models_are_near_the_float_one(void)
 {
-    TEST_ASSERT_ERROR_UP_TO(NET_Q15_TOLERANCE, rms_from_float(&edml_fconn_w16));
-    TEST_ASSERT_ERROR_UP_TO(NET_Q7_TOLERANCE, rms_from_float(&edml_fconn_w8));
+    TEST_ASSERT_ERROR_UP_TO(NET_W16_TOLERANCE, rms_from_float(&edml_fconn_w16));
+    TEST_ASSERT_ERROR_UP_TO(NET_W8_TOLERANCE, rms_from_float(&edml_fconn_w8));
 }
 
 /* ---- Models ------------------------------------------------------------------------------------ */
@@ -474,8 +473,8 @@ static void quantised_models_are_near_the_float_one(void)
 static void the_models_have_their_names(void)
 {
     TEST_ASSERT_EQUAL_STRING("fconn_f32", edml_model_name(&edml_fconn_f32));
-    TEST_ASSERT_EQUAL_STRING("fconn_q15", edml_model_name(&edml_fconn_w16));
-    TEST_ASSERT_EQUAL_STRING("fconn_q7", edml_model_name(&edml_fconn_w8));
+    TEST_ASSERT_EQUAL_STRING("fconn_w16", edml_model_name(&edml_fconn_w16));
+    TEST_ASSERT_EQUAL_STRING("fconn_w8", edml_model_name(&edml_fconn_w8));
 }
 
 static void the_models_are_sound(void)
@@ -525,19 +524,19 @@ static void check_flipped_byte(const edml_model *model, void *byte)
     *at ^= 1;
 }
 
-static void one_flipped_bit_in_whole_numbers_is_noticed(void)
+static void one_flipped_bit_in_integers_is_noticed(void)
 {
     enum { LAST = (EDML_PAIRS + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS - 1, INPUTS = 100 };
-    const edml_model q15 = random_model(7, &fconn_q15);
-    check_flipped_byte(&q15, &weight_q15[0][0]);
-    check_flipped_byte(&q15, (uint8_t *)&weight_q15[1][(LAST + 1) * INPUTS] - 1);
-    check_flipped_byte(&q15, &bias_q24[0][5]);
-    check_flipped_byte(&q15, (uint8_t *)&factor_q24[1][LAST + 1] - 1);
-    const edml_model q7 = random_model(7, &fconn_q7);
-    check_flipped_byte(&q7, &weight_q7[0][0]);
-    check_flipped_byte(&q7, &weight_q7[1][(LAST + 1) * INPUTS - 1]);
-    check_flipped_byte(&q7, &bias_q24[1][LAST]);
-    check_flipped_byte(&q7, &factor_q24[0][0]);
+    const edml_model w16 = random_model(7, &fconn_w16);
+    check_flipped_byte(&w16, &weight_w16[0][0]);
+    check_flipped_byte(&w16, (uint8_t *)&weight_w16[1][(LAST + 1) * INPUTS] - 1);
+    check_flipped_byte(&w16, &bias_q24[0][5]);
+    check_flipped_byte(&w16, (uint8_t *)&multiplier_q24[1][LAST + 1] - 1);
+    const edml_model w8 = random_model(7, &fconn_w8);
+    check_flipped_byte(&w8, &weight_w8[0][0]);
+    check_flipped_byte(&w8, &weight_w8[1][(LAST + 1) * INPUTS - 1]);
+    check_flipped_byte(&w8, &bias_q24[1][LAST]);
+    check_flipped_byte(&w8, &multiplier_q24[0][0]);
 }
 
 int main(void)
@@ -553,13 +552,13 @@ int main(void)
     RUN_TEST(quantised_models_are_as_defined);
     RUN_TEST(random_layers_are_as_defined);
     RUN_TEST(left_and_right_are_alike);
-    RUN_TEST(whole_numbers_are_rounded_to_nearest);
-    RUN_TEST(whole_numbers_are_limited);
+    RUN_TEST(integers_are_rounded_to_nearest);
+    RUN_TEST(integers_are_limited);
     RUN_TEST(quantised_models_are_near_the_float_one);
     RUN_TEST(the_models_have_their_names);
     RUN_TEST(the_models_are_sound);
     RUN_TEST(a_wrong_checksum_is_noticed);
     RUN_TEST(one_flipped_bit_in_weight_or_bias_is_noticed);
-    RUN_TEST(one_flipped_bit_in_whole_numbers_is_noticed);
+    RUN_TEST(one_flipped_bit_in_integers_is_noticed);
     return UNITY_END();
 }

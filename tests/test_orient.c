@@ -36,7 +36,7 @@ static float thinness(const edml_point p[EDML_JOINTS])
 static void turn_and_run(rng *r, uint16_t seen)
 {
     photograph(in, person);
-    rotate(x, random_rotation(r), person);
+    rotate_points(x, random_rotation(r), person);
     const edml_point shift = random_shift(r);
     for (int j = 0; j < EDML_JOINTS; j++) {
         x[j].x += shift.x;
@@ -174,7 +174,7 @@ static void size_and_place_of_the_image_do_not_matter(void)
     for (int n = 0; n < 100; n++) {
         random_human(&r, person);
         photograph(in, person);
-        rotate(x, random_rotation(&r), person);
+        rotate_points(x, random_rotation(&r), person);
         memcpy(y, x, sizeof y);
         edml_orient(x, in, ALL_SEEN);
         for (int j = 0; j < EDML_JOINTS; j++) {
@@ -265,11 +265,11 @@ static void points_in_a_plane_keep_their_shape_those_on_a_line_are_refused(void)
     photograph(in, person);
     for (int j = 0; j < EDML_JOINTS; j++) person[j].z = 0;
     pair_distances(distance, person);
-    rotate(x, random_rotation(&r), person);
+    rotate_points(x, random_rotation(&r), person);
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_orient(x, in, ALL_SEEN));
     TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_distance_error(x, distance));
     for (int j = 0; j < EDML_JOINTS; j++) person[j].x = 0;
-    rotate(x, random_rotation(&r), person);
+    rotate_points(x, random_rotation(&r), person);
     check_refused(ALL_SEEN);
 }
 

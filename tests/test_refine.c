@@ -212,11 +212,11 @@ static void turned_points_are_refined_to_turned_points(void)
         edml_mds(start, distance, &work);
         const rotation3 turn = random_rotation(&r);
         for (int k = 0; k < OBJECTIVES; k++) {
-            rotate(x, turn, start);
+            rotate_points(x, turn, start);
             edml_refine(x, distance, objectives[k], 4, &work);
             memcpy(y, start, sizeof y);
             edml_refine(y, distance, objectives[k], 4, &work);
-            rotate(y, turn, y);
+            rotate_points(y, turn, y);
             TEST_ASSERT_ERROR_UP_TO(REFINE_TURNED_TOLERANCE, worst_joint_error(x, y));
         }
     }

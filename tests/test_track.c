@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "helpers.h"
-#include "model.h" /* to make models that take the wrong mirror image */
+#include "network/model.h" /* to make models that take the wrong mirror image */
 
 enum { FRAME = 33 }; /* ms */
 
@@ -36,7 +36,7 @@ static void see_turned(int steps)
     by.at[2][2] = by.at[0][0];
     edml_point x[EDML_JOINTS], turned[EDML_JOINTS];
     human_pose(x);
-    rotate(turned, by, x);
+    rotate_points(turned, by, x);
     photograph(in, turned);
 }
 
@@ -515,7 +515,7 @@ static void null_pointers(void)
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, NULL, in, 0, model, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, NULL, 0, model, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, in, 0, NULL, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, in, 0, model, NULL));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, in, 0, model, NULL, sizeof work));
     TEST_ASSERT_EQUAL_INT(0, track.started);
 }
 

@@ -26,12 +26,12 @@
 #endif
 
 /* ---- Quantised networks, RMS against the float one, on people of helpers.c ---- */
-#define NET_Q15_TOLERANCE 2e-4F /* activations of 14 bits; measured 0.14 mm */
-#define NET_Q7_TOLERANCE 4e-3F  /* measured 2.2 mm */
+#define NET_W16_TOLERANCE 2e-4F /* activations of 14 bits; measured 0.14 mm */
+#define NET_W8_TOLERANCE 4e-3F  /* measured 2.2 mm */
 
 /* ---- FConv, the small one of fconv_tiny.h ---- */
 #define FCONV_TOLERANCE 2e-6F     /* measured 2.4e-7; a few hundred sums of values to 8 */
-#define FCONV_Q7_TOLERANCE 1e-4F  /* activations rounded to 1/8192; measured 2.4e-5 */
+#define FCONV_W8_TOLERANCE 1e-4F  /* activations rounded to 1/8192; measured 2.4e-5 */
 #define FCONV_LIFT_TOLERANCE 1e-4F
 
 /* ---- MDS ---- */
@@ -118,10 +118,10 @@
 /* ---- Joint limits: poses that are counted otherwise, as a bone is at the border of a cell ---- */
 #ifndef EDML_TEST_Q24
 #define LIMITS_TURNED 1    /* of 500; measured 0 */
-#define LIMITS_EXCHANGED 0 /* signs alone */
+#define LIMITS_SWAPPED 0 /* signs alone */
 #else
 #define LIMITS_TURNED 5    /* joints rounded to 2^-16 */
-#define LIMITS_EXCHANGED 1 /* products are rounded upwards */
+#define LIMITS_SWAPPED 1 /* products are rounded upwards */
 #endif
 #define LIMITS_FIXED 4 /* of 4000 */
 

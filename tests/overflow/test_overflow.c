@@ -1,12 +1,12 @@
-/* The fixed-point stages in numbers that watch themselves (check/): nothing overflows, whatever was
- * accepted, and results are those of the library bit for bit.
+/* The fixed-point stages in integers that watch themselves: nothing overflows, whatever was accepted, and
+ * results are those of the library bit for bit.
  *
  * SPDX-License-Identifier: MIT
  */
 #include <stdio.h>
 
-#include "check.h"
 #include "helpers.h"
+#include "overflow.h"
 
 enum { ROOM = 1 << 29, THREE_METRES = 3 << 24 };
 
@@ -14,10 +14,10 @@ static edml_work_q work;
 static edml_keypoint_q in[EDML_JOINTS];
 static const edml_model *const models[] = {&edml_fconn_w16, &edml_fconn_w8};
 
-static check_tally worst, total;
+static checked_tally worst, total;
 static long lifts;
 
-static void keep_worst(const check_tally *taken)
+static void keep_worst(const checked_tally *taken)
 {
     if (taken->sums > worst.sums) worst.sums = taken->sums;
     if (taken->products > worst.products) worst.products = taken->products;
@@ -33,11 +33,11 @@ static void keep_worst(const check_tally *taken)
 static int lift_both(const edml_model *model)
 {
     edml_pose_q expected, found;
-    check_tally taken;
+    checked_tally taken;
     memset(&expected, 0, sizeof expected);
     memset(&found, 0, sizeof found);
     const edml_status status = edml_lift_q(&expected, in, model, &work, sizeof work);
-    TEST_ASSERT_EQUAL_INT(status, check_lift(&found, in, model, &taken));
+    TEST_ASSERT_EQUAL_INT(status, checked_lift(&found, in, model, &taken));
     TEST_ASSERT_SAME_BYTES(expected, found);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
     if (status == EDML_OK) keep_worst(&taken);
@@ -121,11 +121,11 @@ static void boxes_at_the_ends_of_the_range(void)
 static void check_distances(const int32_t distance[EDML_PAIRS])
 {
     int32_t x[EDML_JOINTS][3];
-    check_tally taken;
-    check_points(x, distance, in, &edml_fconn_w16, &taken);
+    checked_tally taken;
+    checked_points(x, distance, in, &edml_fconn_w16, &taken);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
     for (int objective = EDML_STRESS_SQUARE; objective <= EDML_STRESS_EQ2; objective++) {
-        check_refine(x, distance, (edml_objective)objective, 6, &taken);
+        checked_refine(x, distance, (edml_objective)objective, 6, &taken);
         TEST_ASSERT_EQUAL_INT(0, taken.overflows);
     }
 }
@@ -187,13 +187,13 @@ static int place_both(const edml_pose *pose, const edml_camera *by)
 {
     edml_placement_q expected, found;
     edml_pose_q given;
-    check_tally taken;
+    checked_tally taken;
     const edml_camera_q camera = camera_to_q16(*by);
     pose_to_q16(&given, pose);
     memset(&expected, 0, sizeof expected);
     memset(&found, 0, sizeof found);
     const edml_status status = edml_place_q(&expected, &given, in, &camera, &work, sizeof work);
-    TEST_ASSERT_EQUAL_INT(status, check_place(&found, &given, in, &camera, &taken));
+    TEST_ASSERT_EQUAL_INT(status, checked_place(&found, &given, in, &camera, &taken));
     TEST_ASSERT_SAME_BYTES(expected, found);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
     return status == EDML_OK;
@@ -215,11 +215,11 @@ static void random_scene(rng *r, int n, edml_pose *pose, edml_camera *by)
     by->cx = uniform(r, -1000, 3000);
     by->cy = uniform(r, -1000, 3000);
     random_human(r, x);
-    rotate(x, random_rotation(r), x);
+    rotate_points(x, random_rotation(r), x);
     memcpy(pose->joint, x, sizeof x);
     if (n % 8 == 7) random_points(r, pose->joint, magnitude(r, 0.01F, 4));
     if (n % 8 == 5) pose->joint[rng_bits(r) % EDML_JOINTS].z = uniform(r, -4, 4);
-    rotate(pose->joint, random_rotation(r), pose->joint);
+    rotate_points(pose->joint, random_rotation(r), pose->joint);
     const float across = uniform(r, -1, 1), down = uniform(r, -1, 1);
     for (int j = 0; j < EDML_JOINTS; j++) {
         const float z = x[j].z + depth > 0.1F ? x[j].z + depth : 0.1F;
@@ -262,29 +262,74 @@ static void placements_of_noise(void)
     }
 }
 
-/* ---- Poses of a person, their quality, and on the floor ----------------------------------------------- */
-
-static void with_poses_both(const edml_pose_q *pose, const edml_body_q *owner,
-                            edml_point_q up)
+static void placements_with_unknown_focal_length(void)
 {
-    check_tally taken;
+    rng r = rng_seed(90);
+    int placed = 0;
+    for (int n = 0; n < 500; n++) {
+        edml_pose pose;
+        edml_camera by;
+        edml_pose_q given;
+        edml_placement_q expected, found;
+        edml_camera_q camera, other;
+        checked_tally taken;
+        random_scene(&r, n, &pose, &by);
+        pose_to_q16(&given, &pose);
+        memset(&expected, 0, sizeof expected);
+        memset(&found, 0, sizeof found);
+        memset(&camera, 0, sizeof camera);
+        memset(&other, 0, sizeof other);
+        const int32_t width = (int32_t)(rng_bits(&r) >> 2), height = (int32_t)(rng_bits(&r) >> (2 + n % 5));
+        const edml_status status =
+            edml_place_sweep_q(&expected, &camera, &given, in, width, height, &work, sizeof work);
+        TEST_ASSERT_EQUAL_INT(
+            status, checked_place_sweep(&found, &other, &given, in, width, height, &taken));
+        TEST_ASSERT_EQUAL_MEMORY(&expected, &found, offsetof(edml_placement_q, steps)); /* no padding */
+        TEST_ASSERT_EQUAL_INT(expected.steps, found.steps);
+        TEST_ASSERT_SAME_BYTES(camera, other);
+        TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+        placed += status == EDML_OK;
+    }
+    TEST_ASSERT_TRUE(placed > 50);
+}
+
+/* ---- Bodies, their quality, and on the floor --------------------------------------------------------- */
+
+static void same_fit_and_quality(const edml_pose_q *pose, const edml_body_q *body)
+{
+    checked_tally taken;
     edml_pose_q expected = *pose, found = *pose;
-    edml_point_q stood[EDML_JOINTS], other[EDML_JOINTS];
-    TEST_ASSERT_EQUAL_INT(edml_fit_body_q(&expected, owner),
-                          check_fit_person(&found, owner, &taken));
+    int32_t quality = -1, other = -1;
+    TEST_ASSERT_EQUAL_INT(edml_fit_body_q(&expected, body), checked_fit_body(&found, body, &taken));
     TEST_ASSERT_SAME_BYTES(expected, found);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
-    TEST_ASSERT_EQUAL_INT(edml_quality_q(pose, in), check_quality(pose, in, &taken));
+    TEST_ASSERT_EQUAL_INT(edml_quality_q(&quality, pose, in), checked_quality(&other, pose, in, &taken));
+    TEST_ASSERT_EQUAL_INT32(quality, other);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
-    memset(stood, 0, sizeof stood);
-    memset(other, 0, sizeof other);
-    TEST_ASSERT_EQUAL_INT(edml_stand_q(stood, pose, up), check_floor(other, pose, up, &taken));
-    TEST_ASSERT_SAME_BYTES(stood, other);
+}
+
+static void same_stand(const edml_pose_q *pose, edml_point_q up)
+{
+    checked_tally taken;
+    edml_point_q expected[EDML_JOINTS], found[EDML_JOINTS];
+    memset(expected, 0, sizeof expected);
+    memset(found, 0, sizeof found);
+    TEST_ASSERT_EQUAL_INT(edml_stand_q(expected, pose, up), checked_stand(found, pose, up, &taken));
+    TEST_ASSERT_SAME_BYTES(expected, found);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
-    TEST_ASSERT_EQUAL_INT(edml_joint_limits_q(pose), check_limits(pose, &taken));
+}
+
+static void same_joint_limits(const edml_pose_q *pose)
+{
+    checked_tally taken;
+    edml_pose_q expected = *pose, found = *pose;
+    int count = -1, other = -1;
+    TEST_ASSERT_EQUAL_INT(edml_joint_limits_q(&count, pose), checked_joint_limits(&other, pose, &taken));
+    TEST_ASSERT_EQUAL_INT(count, other);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
-    expected = found = *pose;
-    TEST_ASSERT_EQUAL_INT(edml_reflect_by_joint_limits_q(&expected), check_mirror_by_limits(&found, &taken));
+    TEST_ASSERT_EQUAL_INT(edml_reflect_by_joint_limits_q(&count, &expected),
+                          checked_reflect_by_joint_limits(&other, &found, &taken));
+    TEST_ASSERT_EQUAL_INT(count, other);
     TEST_ASSERT_SAME_BYTES(expected, found);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
 }
@@ -296,8 +341,8 @@ static void poses_of_any_size(void)
     for (int n = 0; n < 20000; n++) {
         edml_pose pose;
         edml_pose_q given;
-        edml_body_q owner;
-        memset(&owner, 0, sizeof owner);
+        edml_body_q body;
+        memset(&body, 0, sizeof body);
         memset(&pose, 0, sizeof pose);
         const int shift = (int)(rng_bits(&r) % 20);
         random_points(&r, pose.joint, n % 3 == 0 ? 4 : magnitude(&r, 0.001F, 4));
@@ -306,11 +351,11 @@ static void poses_of_any_size(void)
         pose_to_q16(&given, &pose);
         given.mirror_margin = (int32_t)(rng_bits(&r) >> (1 + shift));
         given.residual = (int32_t)(rng_bits(&r) >> (1 + shift));
-        if (n % 2) owner.height = (int32_t)(65536 * uniform(&r, 0.5F, 2.5F));
+        if (n % 2) body.height = (int32_t)(65536 * uniform(&r, 0.5F, 2.5F));
         for (int k = 0; k < EDML_BONES; k++)
             if (n % 7 < 3 && rng_bits(&r) % 2)
-                owner.bone[k] = (int32_t)(65536 * uniform(&r, 0.1F, 0.5F));
-        if (n % 11 == 0) owner.bone[n % EDML_BONES] = (int32_t)rng_bits(&r) >> shift;
+                body.bone[k] = (int32_t)(65536 * uniform(&r, 0.1F, 0.5F));
+        if (n % 11 == 0) body.bone[n % EDML_BONES] = (int32_t)rng_bits(&r) >> shift;
         for (int j = 0; j < EDML_JOINTS; j++) {
             in[j].x = (int32_t)rng_bits(&r) >> (2 + shift);
             in[j].y = (int32_t)rng_bits(&r) >> (2 + shift);
@@ -318,7 +363,38 @@ static void poses_of_any_size(void)
         }
         const edml_point_q up = {(int32_t)rng_bits(&r) >> shift, (int32_t)rng_bits(&r) >> shift,
                                    (int32_t)rng_bits(&r) >> shift};
-        with_poses_both(&given, &owner, up);
+        same_fit_and_quality(&given, &body);
+        same_stand(&given, up);
+        same_joint_limits(&given);
+    }
+}
+
+/* ---- Detectors' keypoints ---------------------------------------------------------------------------- */
+
+/* Coordinates anywhere in the range, at its ends or beyond. */
+static void keypoints_of_any_detector(void)
+{
+    rng r = rng_seed(89);
+    edml_keypoint_q given[33], expected[EDML_JOINTS], found[EDML_JOINTS];
+    memset(given, 0, sizeof given);
+    memset(expected, 0, sizeof expected);
+    memset(found, 0, sizeof found);
+    for (int n = 0; n < 20000; n++) {
+        const edml_format *const format = edml_formats[n % EDML_FORMATS];
+        const int32_t ends[] = {ROOM - 1, 1 - ROOM, ROOM, INT32_MIN};
+        checked_tally taken;
+        for (int k = 0; k < format->keypoints; k++) {
+            const uint32_t choice = rng_bits(&r);
+            given[k].x = n % 3 == 0 ? ends[choice % (n % 2 ? 2 : 4)] : (int32_t)rng_bits(&r) / 4;
+            given[k].y = n % 3 == 0 ? ends[choice / 4 % 2] : (int32_t)rng_bits(&r) / 4;
+            given[k].c = (int16_t)(rng_bits(&r) % 8 ? rng_bits(&r) >> 17 : 0);
+        }
+        edml_adapt_q(expected, given, format);
+        checked_adapt(found, given, format, &taken);
+        for (int j = 0; j < EDML_JOINTS; j++)
+            TEST_ASSERT_TRUE(expected[j].x == found[j].x && expected[j].y == found[j].y &&
+                             expected[j].c == found[j].c);
+        TEST_ASSERT_EQUAL_INT(0, taken.overflows);
     }
 }
 
@@ -334,6 +410,8 @@ int main(void)
     RUN_TEST(crowds_three_metres_apart);
     RUN_TEST(placements);
     RUN_TEST(placements_of_noise);
+    RUN_TEST(placements_with_unknown_focal_length);
     RUN_TEST(poses_of_any_size);
+    RUN_TEST(keypoints_of_any_detector);
     return UNITY_END();
 }

@@ -1,4 +1,4 @@
-/* Lifts every pose on standard input (14 edml_keypoint_q each, as they are in memory) in numbers that
+/* Lifts every pose on standard input (14 edml_keypoint_q each, as they are in memory) in integers that
  * watch themselves, and prints a line of JSON: how many were lifted, the operations of a lift (mean and
  * largest), overflows, and lifts whose result was not that of the library.
  *
@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "check.h"
+#include "overflow.h"
 
 enum { KINDS = 4 };
 
@@ -24,11 +24,11 @@ int main(void)
     long sum[KINDS] = {0}, largest[KINDS] = {0}, lifted = 0, overflows = 0, differences = 0;
     while (fread(in, sizeof in, 1, stdin) == 1) {
         edml_pose_q pose, watched;
-        check_tally taken;
+        checked_tally taken;
         memset(&pose, 0, sizeof pose);
         memset(&watched, 0, sizeof watched);
         const edml_status status = edml_lift_q(&pose, in, &edml_fconn_w16, &work, sizeof work);
-        if (check_lift(&watched, in, &edml_fconn_w16, &taken) != status ||
+        if (checked_lift(&watched, in, &edml_fconn_w16, &taken) != status ||
             memcmp(&pose, &watched, sizeof pose) != 0)
             differences++;
         overflows += taken.overflows;
