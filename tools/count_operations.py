@@ -3,7 +3,7 @@
     count_operations.py TEST.npz                              prints the table
     count_operations.py TEST.npz --update docs/fixed_point.md writes it between the marks in a file
 
-Every view of the protocol is lifted in numbers that watch themselves (tests/check), whose results
+Every view of the protocol is lifted in integers that watch themselves (tests/overflow), whose results
 must be the library's bit for bit.
 """
 
@@ -22,7 +22,7 @@ from evaluate import table, views
 from firmware import INCLUDES, ROOT, SOURCES, ToolError, library_flags, run
 from mocap import MocapError, Motion, load_motion
 
-CHECK = ROOT / "tests" / "check"
+CHECK = ROOT / "tests" / "overflow"
 KINDS = {
     "sums": "sums, differences, halves",
     "products": "products",
@@ -32,7 +32,7 @@ KINDS = {
 
 
 def build(folder: Path) -> Path:
-    """tests/check/count.c with the library and the numbers that watch themselves."""
+    """tests/overflow/count.c with the library and the integers that watch themselves."""
     includes = [*INCLUDES, f"-I{CHECK}"]
     watched = [folder / f"{source.stem}.o" for source in CHECK.glob("*.cpp")]
     for item in watched:
@@ -48,7 +48,7 @@ def build(folder: Path) -> Path:
 
 
 def count(motion: Motion) -> dict:
-    """What tests/check/count.c prints of every view of the protocol."""
+    """What tests/overflow/count.c prints of every view of the protocol."""
     keypoints = np.concatenate([column.keypoints for column in views(motion.joints).values()])
     with tempfile.TemporaryDirectory() as name:
         program = build(Path(name))

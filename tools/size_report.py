@@ -23,7 +23,7 @@ from pathlib import Path
 import marks
 from firmware import ROOT, SOURCES, TARGETS, Target, ToolError, build, compile_library, count, run
 
-BENCH = ROOT / "tests" / "bench"
+BENCH = ROOT / "tests" / "targets" / "bench"
 README, COSTS = ROOT / "README.md", ROOT / "docs" / "costs.md"
 LEVEL = "-Os"
 SLACK = 0.03  # of instructions
@@ -75,7 +75,7 @@ EXACT = COLUMNS[: COLUMNS.index("edm")]
 
 
 def flash_sizes(link_map: str) -> dict[str, int]:
-    """Bytes of code, helpers and weights by the linker's map of tests/bench/smallest.c."""
+    """Bytes of code, helpers and weights by the linker's map of tests/targets/bench/smallest.c."""
     library = {f"{source.stem}.o" for source in SOURCES}
     sizes = {"code": 0, "helpers": 0, "weights": 0}
     placed = link_map.partition("\nLinker script and memory map\n")[2]

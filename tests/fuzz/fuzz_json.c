@@ -57,8 +57,9 @@ static int check(const char *text, size_t length)
 
 int main(int argc, char **argv)
 {
-    static const char seed[] = "{\"id\":7,\"keypoints\":[[1.5,-2e3,0.9],[0,1],null,[null,null]],"
-                               "\"t\":{\"a\":[true,false,[]],\"b\":\"\\u00e9\\n\xC3\xA9\xF0\x9F\x98\x80\"}} ";
+    static const char seed[] =
+        "{\"id\":7,\"keypoints\":[[1.5,-2e3,0.9],[0,1],null,[null,null]],"
+        "\"t\":{\"a\":[true,false,[]],\"b\":\"\\u00e9\\n\xC3\xA9\xF0\x9F\x98\x80\"}} ";
     static const char letters[] = "{}[]\",:\\0-1.e+ntu a\xC3\xA9\xED\xF4\xFF\x01";
     const int count = argc > 1 ? atoi(argv[1]) : 200000;
     uint32_t state = 1;

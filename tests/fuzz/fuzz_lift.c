@@ -1,8 +1,8 @@
-/* Any bytes into edml_lift, edml_track_lift and edml_lift_q: a status that exists, and with it either a sound pose or
- * none; in fixed point no overflow, by the integers that watch themselves (overflow/).  What was lifted is
- * placed before cameras of any kind, with the same demands.
+/* Any bytes into edml_lift(), edml_track_lift() and edml_lift_q(): a status that exists, and with it either a
+ * sound pose or none; in fixed point no overflow, by the integers that watch themselves (tests/overflow).  What
+ * was lifted is placed before cameras of any kind, with the same demands.
  *
- * With libFuzzer (fuzz.sh) or, with its own main, on pseudo-random inputs: fuzz [COUNT].
+ * With libFuzzer (libfuzzer.sh) or, with its own main, on pseudo-random inputs: fuzz_lift [COUNT].
  *
  * SPDX-License-Identifier: MIT
  */
@@ -69,8 +69,8 @@ static void check_placement_status(edml_status status)
 /* From a hundredth of a pixel to 10,000, by a byte. */
 static float some_focal_length(uint8_t byte) { return 0.01F * powf(10, (float)byte / 42.5F); }
 
-static void place_floats(const edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
-                         const uint8_t *data, edml_work *work)
+static void place_floats(const edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const uint8_t *data,
+                         edml_work *work)
 {
     const float focal = some_focal_length(data[1]);
     const edml_camera camera = {focal, focal, in[data[2] % EDML_JOINTS].x, in[data[3] % EDML_JOINTS].y};
@@ -123,7 +123,8 @@ static void track_floats(const uint8_t *data)
         memcpy(&before, &pose, sizeof pose);
         memcpy(&untouched, &track, sizeof track);
         read_keypoints(in, moved);
-        const edml_status status = edml_track_lift(&pose, &track, in, time, &edml_fconn_f32, &work, sizeof work);
+        const edml_status status = edml_track_lift(&pose, &track, in, time, &edml_fconn_f32, &work,
+                                                   sizeof work);
         require(edml_status_name(status)[0] != '?', "an unknown status of a frame");
         if (status == EDML_OK) {
             check_pose(&pose);
@@ -159,7 +160,7 @@ static void read_keypoints_q16(edml_keypoint_q in[EDML_JOINTS], const uint8_t *d
     }
 }
 
-static void check_pose_q16(const edml_pose_q *pose)
+static void check_pose_q(const edml_pose_q *pose)
 {
     const int32_t *number = &pose->joint[0].x, limit = 16 << 16; /* metres */
     for (int n = 0; n < 3 * EDML_JOINTS; n++)
@@ -170,18 +171,18 @@ static void check_pose_q16(const edml_pose_q *pose)
 }
 
 static void place_integers(const edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS],
-                                const uint8_t *data, edml_work_q *work)
+                           const uint8_t *data, edml_work_q *work)
 {
     const int32_t focal = (int32_t)(65536 * some_focal_length(data[1] % 250)); /* to 7,600 */
-    const edml_camera_q camera = {focal, focal, in[data[2] % EDML_JOINTS].x,
-                                    in[data[3] % EDML_JOINTS].y};
+    const edml_camera_q camera = {focal, focal, in[data[2] % EDML_JOINTS].x, in[data[3] % EDML_JOINTS].y};
     edml_placement_q placement, watched;
     checked_tally taken;
     memset(&placement, 0xA5, sizeof placement);
     memset(&watched, 0xA5, sizeof watched);
     const edml_status status = edml_place_q(&placement, pose, in, &camera, work, sizeof *work);
     check_placement_status(status);
-    require(checked_place(&watched, pose, in, &camera, &taken) == status, "another status of a watched placement");
+    require(checked_place(&watched, pose, in, &camera, &taken) == status,
+            "another status of a watched placement");
     require(taken.overflows == 0, "a number of a placement overflows");
     require(memcmp(&placement, &watched, sizeof placement) == 0, "not the placement of watched numbers");
 }
@@ -200,7 +201,7 @@ static void lift_integers(const uint8_t *data)
 
     const edml_status status = edml_lift_q(&pose, in, model, &work, sizeof work);
     check_status(status);
-    if (status == EDML_OK) check_pose_q16(&pose);
+    if (status == EDML_OK) check_pose_q(&pose);
     require(checked_lift(&watched, in, model, &taken) == status, "another status of watched numbers");
     require(taken.overflows == 0, "a number overflows");
     require(memcmp(&pose, &watched, sizeof pose) == 0, "not the pose of watched numbers");
@@ -211,22 +212,22 @@ static void lift_integers(const uint8_t *data)
 static void lift_by_convolutions(const uint8_t *data)
 {
     static edml_fconv_work work;
-    static edml_fconv_work_q work_q24;
+    static edml_fconv_work_q work_q;
     edml_keypoint in[EDML_JOINTS];
-    edml_keypoint_q in_q16[EDML_JOINTS];
+    edml_keypoint_q in_q[EDML_JOINTS];
     edml_pose pose;
-    edml_pose_q pose_q16;
+    edml_pose_q pose_q;
     memset(&work, data[0], sizeof work);
-    memset(&work_q24, data[0], sizeof work_q24);
+    memset(&work_q, data[0], sizeof work_q);
     read_keypoints(in, data);
-    read_keypoints_q16(in_q16, data);
+    read_keypoints_q16(in_q, data);
     const edml_model *model = data[0] & 128 ? &edml_fconv_f32 : &edml_fconv_w8;
     const edml_status status = edml_lift(&pose, in, model, &work, sizeof work);
     check_status(status);
     if (status == EDML_OK) check_pose(&pose);
-    const edml_status other = edml_lift_q(&pose_q16, in_q16, &edml_fconv_w8, &work_q24, sizeof work_q24);
+    const edml_status other = edml_lift_q(&pose_q, in_q, &edml_fconv_w8, &work_q, sizeof work_q);
     check_status(other);
-    if (other == EDML_OK) check_pose_q16(&pose_q16);
+    if (other == EDML_OK) check_pose_q(&pose_q);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -16,12 +16,15 @@
 extern checked_tally tally;
 
 /* An integer of T's width. */
-template <typename T> class checked {
-public:
+template <typename T> class checked
+{
+  public:
     checked() = default;
     checked(int number) : value_(number) {}
     template <typename Other, typename = typename std::enable_if<(sizeof(Other) < sizeof(T))>::type>
-    checked(checked<Other> narrower) : value_(narrower.value()) {} /* the way back is TRUNCATE */
+    checked(checked<Other> narrower) : value_(narrower.value())
+    {
+    } /* the way back is TRUNCATE */
     T value() const { return value_; }
 
     /* A result, given in more bits. */
@@ -55,7 +58,7 @@ public:
     friend bool operator==(checked a, checked b) { return a.value_ == b.value_; }
     friend bool operator!=(checked a, checked b) { return a.value_ != b.value_; }
 
-private:
+  private:
     __int128 exact() const { return value_; }
     T value_;
 };

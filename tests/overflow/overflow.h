@@ -1,4 +1,5 @@
-/* The fixed-point functions in integers that watch themselves: results are those of the library, bit for bit.
+/* The fixed-point functions in integers that watch themselves.  Results are those of the library, bit for
+ * bit.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -23,16 +24,16 @@ typedef struct {
 } checked_tally;
 
 /* edml_lift_q(), and what it took. */
-edml_status checked_lift(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS],
-                         const edml_model *model, checked_tally *tally);
+edml_status checked_lift(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS], const edml_model *model,
+                         checked_tally *tally);
 
 /* What follows the network in a lift, of any distances: 0 to 3 m, Q24. */
 void checked_points(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
                     const edml_keypoint_q in[EDML_JOINTS], const edml_model *model, checked_tally *tally);
 
 /* edml_refine_q() of the points of checked_points() before they are reflected and rotated. */
-int checked_refine(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
-                   edml_objective objective, int steps, checked_tally *tally);
+int checked_refine(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS], edml_objective objective,
+                   int steps, checked_tally *tally);
 
 /* edml_adapt_q(), and what it took. */
 void checked_adapt(edml_keypoint_q out[EDML_JOINTS], const edml_keypoint_q in[], const edml_format *format,
@@ -42,9 +43,9 @@ void checked_adapt(edml_keypoint_q out[EDML_JOINTS], const edml_keypoint_q in[],
 edml_status checked_place(edml_placement_q *placement, const edml_pose_q *pose,
                           const edml_keypoint_q in[EDML_JOINTS], const edml_camera_q *camera,
                           checked_tally *tally);
-edml_status checked_place_sweep(edml_placement_q *placement, edml_camera_q *camera,
-                                const edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS],
-                                int32_t width, int32_t height, checked_tally *tally);
+edml_status checked_place_sweep(edml_placement_q *placement, edml_camera_q *camera, const edml_pose_q *pose,
+                                const edml_keypoint_q in[EDML_JOINTS], int32_t width, int32_t height,
+                                checked_tally *tally);
 
 /* edml_fit_body_q(), edml_quality_q() and edml_stand_q(), and what they took. */
 edml_status checked_fit_body(edml_pose_q *pose, const edml_body_q *body, checked_tally *tally);

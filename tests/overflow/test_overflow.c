@@ -61,8 +61,8 @@ static void people(void)
     }
     printf("operations a lift, mean (largest): sums %ld (%ld), products %ld (%ld), ratios %ld (%ld), "
            "roots %ld (%ld)\n",
-           total.sums / lifts, worst.sums, total.products / lifts, worst.products,
-           total.ratios / lifts, worst.ratios, total.roots / lifts, worst.roots);
+           total.sums / lifts, worst.sums, total.products / lifts, worst.products, total.ratios / lifts,
+           worst.ratios, total.roots / lifts, worst.roots);
 }
 
 /* Anything of any size; about half is refused. */
@@ -280,10 +280,10 @@ static void placements_with_unknown_focal_length(void)
         memset(&camera, 0, sizeof camera);
         memset(&other, 0, sizeof other);
         const int32_t width = (int32_t)(rng_bits(&r) >> 2), height = (int32_t)(rng_bits(&r) >> (2 + n % 5));
-        const edml_status status =
-            edml_place_sweep_q(&expected, &camera, &given, in, width, height, &work, sizeof work);
-        TEST_ASSERT_EQUAL_INT(
-            status, checked_place_sweep(&found, &other, &given, in, width, height, &taken));
+        const edml_status status = edml_place_sweep_q(&expected, &camera, &given, in, width, height, &work,
+                                                      sizeof work);
+        TEST_ASSERT_EQUAL_INT(status,
+                              checked_place_sweep(&found, &other, &given, in, width, height, &taken));
         TEST_ASSERT_EQUAL_MEMORY(&expected, &found, offsetof(edml_placement_q, steps)); /* no padding */
         TEST_ASSERT_EQUAL_INT(expected.steps, found.steps);
         TEST_ASSERT_SAME_BYTES(camera, other);
@@ -353,8 +353,7 @@ static void poses_of_any_size(void)
         given.residual = (int32_t)(rng_bits(&r) >> (1 + shift));
         if (n % 2) body.height = (int32_t)(65536 * uniform(&r, 0.5F, 2.5F));
         for (int k = 0; k < EDML_BONES; k++)
-            if (n % 7 < 3 && rng_bits(&r) % 2)
-                body.bone[k] = (int32_t)(65536 * uniform(&r, 0.1F, 0.5F));
+            if (n % 7 < 3 && rng_bits(&r) % 2) body.bone[k] = (int32_t)(65536 * uniform(&r, 0.1F, 0.5F));
         if (n % 11 == 0) body.bone[n % EDML_BONES] = (int32_t)rng_bits(&r) >> shift;
         for (int j = 0; j < EDML_JOINTS; j++) {
             in[j].x = (int32_t)rng_bits(&r) >> (2 + shift);
@@ -362,7 +361,7 @@ static void poses_of_any_size(void)
             in[j].c = rng_bits(&r) % 8 ? 1 : 0;
         }
         const edml_point_q up = {(int32_t)rng_bits(&r) >> shift, (int32_t)rng_bits(&r) >> shift,
-                                   (int32_t)rng_bits(&r) >> shift};
+                                 (int32_t)rng_bits(&r) >> shift};
         same_fit_and_quality(&given, &body);
         same_stand(&given, up);
         same_joint_limits(&given);

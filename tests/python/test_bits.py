@@ -8,7 +8,7 @@ from builds import need, run_firmware
 
 from firmware import INCLUDES, ROOT, SOURCES, TARGETS, library_flags, run
 
-PROGRAM = ROOT / "tests" / "bits.c"
+PROGRAM = ROOT / "tests" / "targets" / "bits.c"
 EXPECTED = (ROOT / "tests" / "bits.txt").read_text()  # of gcc -O0 on x86-64; by make_tables
 
 

@@ -108,7 +108,7 @@ def test_fconv_in_fixed_point_has_no_float_code(name: str, tmp_path: Path) -> No
     for fixed, model in ((True, "q7"), (False, "f32")):
         options = [f"-DMODEL=edml_fconv_{model}", "-DFCONV", *(["-DFIXED"] if fixed else [])]
         image = tmp_path / f"{model}.elf"
-        build(ROOT / "tests/bench/smallest.c", target, "-Os", image, *options, library=SOURCES)
+        build(ROOT / "tests/targets/bench/smallest.c", target, "-Os", image, *options, library=SOURCES)
         assert (float_code(image, target) == set()) == fixed
 
 

@@ -1,5 +1,5 @@
 /* A small FConv, of 8 and 16 channels, in float and the same one in integers.  Its weights are drawn,
- * so that tests/make_fconv_vectors.py can draw them as well.
+ * so that tests/vectors/make_fconv_vectors.py can draw them as well.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -39,10 +39,13 @@ static void tiny_layer(int n, int inputs, int outputs, int scale, uint32_t *stat
         tiny_bias_f32[n][k] = (float)tiny_bias[n][k] / (float)(4096 << scale);
     }
     const int last = n == 4, shift = last ? 20 + 12 + scale + 1 - 24 : 20 + scale;
-    const edml_dense_f32 f32 = {(uint16_t)inputs, (uint16_t)outputs, tiny_weight_f32[n],
-                                tiny_bias_f32[n]};
-    const edml_dense_w8 w8 = {(uint16_t)inputs, (uint16_t)outputs, tiny_weight[n],
-                              tiny_bias[n],     tiny_multiplier[n],    (uint8_t)shift,
+    const edml_dense_f32 f32 = {(uint16_t)inputs, (uint16_t)outputs, tiny_weight_f32[n], tiny_bias_f32[n]};
+    const edml_dense_w8 w8 = {(uint16_t)inputs,
+                              (uint16_t)outputs,
+                              tiny_weight[n],
+                              tiny_bias[n],
+                              tiny_multiplier[n],
+                              (uint8_t)shift,
                               last ? 3 << 24 : EDML_ACTIVATION};
     tiny_layers_f32[n] = f32;
     tiny_layers_w8[n] = w8;

@@ -79,11 +79,11 @@ void reflect(edml_point out[EDML_JOINTS], const edml_point x[EDML_JOINTS])
 void human_pose(edml_point x[EDML_JOINTS])
 {
     static const edml_point standing[EDML_JOINTS] = {
-        {0.01F, -0.80F, -0.05F}, {0.00F, -0.56F, 0.00F},                            /* head, neck */
+        {0.01F, -0.80F, -0.05F}, {0.00F, -0.56F, 0.00F},                             /* head, neck */
         {-0.18F, -0.50F, 0.01F}, {-0.25F, -0.23F, -0.02F}, {-0.22F, -0.08F, -0.24F}, /* right arm */
         {0.18F, -0.50F, 0.00F},  {0.27F, -0.24F, -0.05F},  {0.24F, -0.12F, -0.29F},  /* left arm */
-        {-0.13F, 0.00F, 0.00F},  {-0.15F, 0.42F, -0.12F},  {-0.16F, 0.84F, 0.02F},  /* right leg */
-        {0.13F, 0.00F, 0.00F},   {0.15F, 0.43F, -0.05F},   {0.17F, 0.85F, 0.11F},   /* left leg */
+        {-0.13F, 0.00F, 0.00F},  {-0.15F, 0.42F, -0.12F},  {-0.16F, 0.84F, 0.02F},   /* right leg */
+        {0.13F, 0.00F, 0.00F},   {0.15F, 0.43F, -0.05F},   {0.17F, 0.85F, 0.11F},    /* left leg */
     };
     memcpy(x, standing, sizeof standing);
 }
@@ -147,8 +147,7 @@ double distance_between(edml_point a, edml_point b)
 void pair_distances(float d[EDML_PAIRS], const edml_point x[EDML_JOINTS])
 {
     for (int i = 0; i < EDML_JOINTS; i++)
-        for (int j = i + 1; j < EDML_JOINTS; j++)
-            d[EDML_PAIR(i, j)] = (float)distance_between(x[i], x[j]);
+        for (int j = i + 1; j < EDML_JOINTS; j++) d[EDML_PAIR(i, j)] = (float)distance_between(x[i], x[j]);
 }
 
 void noisy_distances(rng *r, float d[EDML_PAIRS], const edml_point x[EDML_JOINTS], float noise)
@@ -203,14 +202,14 @@ int same_handedness(const edml_point x[EDML_JOINTS], const edml_point y[EDML_JOI
             for (int k = 0; k < 3; k++) {
                 mean_x[k] += pass == 0 ? a[k] / EDML_JOINTS : 0;
                 mean_y[k] += pass == 0 ? b[k] / EDML_JOINTS : 0;
-                for (int l = 0; l < 3 && pass == 1; l++)
-                    m[k][l] += (a[k] - mean_x[k]) * (b[l] - mean_y[l]);
+                for (int l = 0; l < 3 && pass == 1; l++) m[k][l] += (a[k] - mean_x[k]) * (b[l] - mean_y[l]);
             }
         }
     }
     return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
                m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-               m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]) > 0;
+               m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]) >
+           0;
 }
 
 int all_finite(const void *floats, int count)

@@ -61,7 +61,7 @@ float worst_joint_error(const edml_point x[EDML_JOINTS], const edml_point y[EDML
 int same_handedness(const edml_point x[EDML_JOINTS], const edml_point y[EDML_JOINTS]);
 int all_finite(const void *floats, int count);
 
-#define TEST_ASSERT_SAME_BYTES(expected, actual) \
+#define TEST_ASSERT_SAME_BYTES(expected, actual)                                                           \
     TEST_ASSERT_EQUAL_MEMORY(&(expected), &(actual), sizeof(expected))
 
 /* error <= bound, and not NaN */

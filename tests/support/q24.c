@@ -95,8 +95,7 @@ void q24_jacobi(edml_eigen *eigen, const edml_matrix *a)
         all_q24(&matrix.at[i][i], &a->at[i][i], EDML_JOINTS - i);
     edml_jacobi_q(&found, &matrix);
     all_floats(eigen->value, found.value, EDML_JOINTS);
-    for (int k = 0; k < EDML_JOINTS; k++)
-        all_floats(eigen->vector[k], found.vector[k], EDML_JOINTS);
+    for (int k = 0; k < EDML_JOINTS; k++) all_floats(eigen->vector[k], found.vector[k], EDML_JOINTS);
 }
 
 void q24_mds(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_work *work)
@@ -107,8 +106,8 @@ void q24_mds(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_w
     all_floats(&x->x, &points->x, 3 * EDML_JOINTS);
 }
 
-int q24_refine(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
-               edml_objective objective, int steps, edml_work *work)
+int q24_refine(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_objective objective,
+               int steps, edml_work *work)
 {
     (void)work;
     all_q24(values, distance, EDML_PAIRS);
@@ -196,9 +195,8 @@ static void from_placement_q16(edml_placement *out, const edml_placement_q *plac
     out->steps = placed->steps;
 }
 
-edml_status q24_place(edml_placement *placement, const edml_pose *pose,
-                      const edml_keypoint in[EDML_JOINTS], const edml_camera *camera, void *work,
-                      size_t work_bytes)
+edml_status q24_place(edml_placement *placement, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
+                      const edml_camera *camera, void *work, size_t work_bytes)
 {
     (void)work_bytes;
     edml_pose_q given;
@@ -215,8 +213,8 @@ edml_status q24_place(edml_placement *placement, const edml_pose *pose,
 }
 
 edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, const edml_pose *pose,
-                            const edml_keypoint in[EDML_JOINTS], float width, float height,
-                            void *work, size_t work_bytes)
+                            const edml_keypoint in[EDML_JOINTS], float width, float height, void *work,
+                            size_t work_bytes)
 {
     (void)work_bytes;
     edml_pose_q given;
@@ -242,8 +240,7 @@ edml_status q24_fit_body(edml_pose *pose, const edml_body *body)
     if (pose != NULL) pose_to_q16(&fitted, pose);
     if (body != NULL) known.height = q16(body->height);
     for (int n = 0; n < EDML_BONES && body != NULL; n++) known.bone[n] = q16(body->bone[n]);
-    const edml_status status =
-        edml_fit_body_q(pose != NULL ? &fitted : NULL, body != NULL ? &known : NULL);
+    const edml_status status = edml_fit_body_q(pose != NULL ? &fitted : NULL, body != NULL ? &known : NULL);
     if (status != EDML_OK) return status;
     for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j] = point_from_q16(fitted.joint[j]);
     return status;
@@ -267,8 +264,8 @@ edml_status q24_stand(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_p
     edml_point_q stood[EDML_JOINTS];
     const edml_point_q upwards = {q16(up.x), q16(up.y), q16(up.z)};
     if (pose != NULL) pose_to_q16(&given, pose);
-    const edml_status status =
-        edml_stand_q(out != NULL ? stood : NULL, pose != NULL ? &given : NULL, upwards);
+    const edml_status status = edml_stand_q(out != NULL ? stood : NULL, pose != NULL ? &given : NULL,
+                                            upwards);
     if (status != EDML_OK) return status;
     for (int j = 0; j < EDML_JOINTS; j++) out[j] = point_from_q16(stood[j]);
     return status;

@@ -23,8 +23,8 @@ edml_status q24_predict(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
                         void *work, size_t work_bytes);
 void q24_jacobi(edml_eigen *eigen, const edml_matrix *a);
 void q24_mds(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_work *work);
-int q24_refine(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
-               edml_objective objective, int steps, edml_work *work);
+int q24_refine(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_objective objective,
+               int steps, edml_work *work);
 float q24_stress(const edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
                  edml_objective objective);
 float q24_mirror(edml_point x[EDML_JOINTS], const edml_model *model);
@@ -34,12 +34,11 @@ void q24_fuse(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], ui
 edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
                      void *work, size_t work_bytes);
 void q24_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const edml_format *format);
-edml_status q24_place(edml_placement *placement, const edml_pose *pose,
-                      const edml_keypoint in[EDML_JOINTS], const edml_camera *camera, void *work,
-                      size_t work_bytes);
+edml_status q24_place(edml_placement *placement, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
+                      const edml_camera *camera, void *work, size_t work_bytes);
 edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, const edml_pose *pose,
-                            const edml_keypoint in[EDML_JOINTS], float width, float height,
-                            void *work, size_t work_bytes);
+                            const edml_keypoint in[EDML_JOINTS], float width, float height, void *work,
+                            size_t work_bytes);
 
 edml_status q24_fit_body(edml_pose *pose, const edml_body *body);
 edml_status q24_quality(float *quality, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS]);

@@ -11,7 +11,8 @@
 
 /* ---- EDM, in half heights ---- */
 #define EDM_TOLERANCE 5e-7F /* values to 6.5; a division, a sum of squares and a root */
-#define EDM_GUESSED_TOLERANCE 2e-6F /* sums of 13 terms and 4 unknowns' elimination besides; measured 5e-7 */
+#define EDM_GUESSED_TOLERANCE                                                                              \
+    2e-6F                          /* sums of 13 terms and 4 unknowns' elimination besides; measured 5e-7 */
 #define EDM_SCALED_TOLERANCE 4e-6F /* coordinates rounded anew: 1000 half-ulps over 165 pixels */
 
 /* ---- Jacobi; relative to the Frobenius norm of the matrix ---- */
@@ -30,8 +31,8 @@
 #define NET_W8_TOLERANCE 4e-3F  /* measured 2.2 mm */
 
 /* ---- FConv, the small one of fconv_tiny.h ---- */
-#define FCONV_TOLERANCE 2e-6F     /* measured 2.4e-7; a few hundred sums of values to 8 */
-#define FCONV_W8_TOLERANCE 1e-4F  /* activations rounded to 1/8192; measured 2.4e-5 */
+#define FCONV_TOLERANCE 2e-6F    /* measured 2.4e-7; a few hundred sums of values to 8 */
+#define FCONV_W8_TOLERANCE 1e-4F /* activations rounded to 1/8192; measured 2.4e-5 */
 #define FCONV_LIFT_TOLERANCE 1e-4F
 
 /* ---- MDS ---- */
@@ -63,14 +64,14 @@
 #endif
 
 /* ---- Orientation ---- */
-/* Exact points and an exact image still leave a tilt: the ridges of orient.inc turn a thin body too
+/* Exact points and an exact image still leave a tilt: the ridges of orient.h turn a thin body too
  * little, the thinner the more.  Worst joint of people with 1, 2, 4 and 8 % of their spread (or up
  * to twice that) along their thinnest axis; measured 0.021, 0.0024, 0.0013 and under 0.001. */
 #define ORIENT_PERSON_TOLERANCES {0.03F, 0.004F, 0.002F, 0.001F}
 #define ORIENT_UNSEEN_TOLERANCE 0.012F /* 4 %, two joints not seen; measured 0.0078 */
 #define ORIENT_CLOUD_TOLERANCE 0.0005F /* 16 %; measured 0.0003 */
-#define ORIENT_EVEN_TOLERANCE 5e-6F  /* the same spread on all axes: no bias is left */
-#define ORIENT_FRAME_TOLERANCE 5e-5F /* rounding, enlarged by the division by a thin spread */
+#define ORIENT_EVEN_TOLERANCE 5e-6F    /* the same spread on all axes: no bias is left */
+#define ORIENT_FRAME_TOLERANCE 5e-5F   /* rounding, enlarged by the division by a thin spread */
 
 /* ---- Blending, metres: rounding, of pixels above all, 200 to the metre ---- */
 #define BLEND_TOLERANCE 4e-6F
@@ -92,7 +93,7 @@
 #endif
 #define PLACE_FAR_DEGREES 0.05F
 #define PLACE_FAR_SHARE 1e-3F
-#define PLACE_JOINT 1e-3F        /* metres */
+#define PLACE_JOINT 1e-3F /* metres */
 #define PLACE_FLAT_PIXELS 0.1F
 #define PLACE_FLAT_SHARE 0.01F
 #define PLACE_FLAT_LOST 0
@@ -105,7 +106,7 @@
 /* ---- Person, quality, floor ---- */
 #ifndef EDML_TEST_Q24
 #define PERSON_TOLERANCE ROUNDING
-#define PERSON_COSINE 0.999999 /* a bone of 0.1 m, and two joints to 1e-7 */
+#define PERSON_COSINE 0.999999  /* a bone of 0.1 m, and two joints to 1e-7 */
 #define QUALITY_TOLERANCE 1e-4F /* a misfit of 1e-4 m by rounding, times 24 a metre */
 #define FLOOR_TOLERANCE 1e-5F
 #else /* joints, lengths and upwards rounded to 2^-16, in and out */
@@ -117,16 +118,16 @@
 
 /* ---- Joint limits: poses that are counted otherwise, as a bone is at the border of a cell ---- */
 #ifndef EDML_TEST_Q24
-#define LIMITS_TURNED 1    /* of 500; measured 0 */
+#define LIMITS_TURNED 1  /* of 500; measured 0 */
 #define LIMITS_SWAPPED 0 /* signs alone */
 #else
-#define LIMITS_TURNED 5    /* joints rounded to 2^-16 */
+#define LIMITS_TURNED 5  /* joints rounded to 2^-16 */
 #define LIMITS_SWAPPED 1 /* products are rounded upwards */
 #endif
 #define LIMITS_FIXED 4 /* of 4000 */
 
 /* ---- Lift ---- */
-#define LIFT_TOLERANCE 0.003F /* the tilt above: the person of helpers.c has 2 % in depth */
+#define LIFT_TOLERANCE 0.003F       /* the tilt above: the person of helpers.c has 2 % in depth */
 #define LIFT_SCALED_TOLERANCE 1e-3F /* input rounded anew: a smooth network makes little of it */
 
 /* ---- Fixed point beside float, the same network ---- */
@@ -136,11 +137,11 @@
 #define FIXED_MARGIN_TOLERANCE 0.02F
 
 /* ---- Against NumPy in double, printed with seven digits ---- */
-#define VECTOR_EDM_TOLERANCE 1e-6F   /* values to 6.5; measured 6e-7 */
+#define VECTOR_EDM_TOLERANCE 1e-6F /* values to 6.5; measured 6e-7 */
 #ifndef EDML_TEST_Q24
-#define VECTOR_NET_TOLERANCE 1e-5F   /* sums of 128 terms of about 1; measured 1e-6 */
+#define VECTOR_NET_TOLERANCE 1e-5F /* sums of 128 terms of about 1; measured 1e-6 */
 #else
-#define VECTOR_NET_TOLERANCE 1e-3F   /* 16-bit network on hard input; measured 0.5 mm */
+#define VECTOR_NET_TOLERANCE 1e-3F /* 16-bit network on hard input; measured 0.5 mm */
 #endif
 #define VECTOR_EIGEN_TOLERANCE 2e-6F /* relative to the largest; measured 4e-7 */
 #define VECTOR_MDS_TOLERANCE MDS_TOLERANCE
@@ -155,10 +156,10 @@
 #endif
 #define VECTOR_EQ2_TOLERANCE 1e-3F
 #ifndef EDML_TEST_Q24
-#define VECTOR_POSE_TOLERANCE 1e-4F /* all of the above, and the division by a thin spread */
+#define VECTOR_POSE_TOLERANCE 1e-4F   /* all of the above, and the division by a thin spread */
 #define VECTOR_MARGIN_TOLERANCE 2e-3F /* weights of up to 6, cosines across short bones */
 #else
-#define VECTOR_POSE_TOLERANCE 3e-3F /* measured 1.3 mm */
+#define VECTOR_POSE_TOLERANCE 3e-3F   /* measured 1.3 mm */
 #define VECTOR_MARGIN_TOLERANCE 0.05F /* measured 0.016 */
 #endif
 

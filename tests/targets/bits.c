@@ -13,7 +13,7 @@
 #include "edmlift/body.h"
 #include "edmlift/camera.h"
 #include "edmlift/stages.h"
-#include "fconv_tiny.h"
+#include "../support/fconv_tiny.h"
 #include "number/real_f32.h" /* its input, too, is the same with fused operations switched on */
 
 enum { POSES = 200, MATRICES = 12, SHAPES = 12, STEPS = 6, NETS = 4 };

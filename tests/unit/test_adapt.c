@@ -1,4 +1,4 @@
-/* adapt.inc and formats.c: detectors' own names of their keypoints, and where head and neck go.
+/* joints/adapt.h and formats.c: detectors' own names of their keypoints, and where head and neck go.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,17 +8,21 @@ enum { MOST = 33 };
 
 /* ---- The detectors' lists, in the words of edml_joint_name() ------------------------------------- */
 
-#define COCO "nose", "left_eye", "right_eye", "left_ear", "right_ear", "left_shoulder",            \
-    "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist", "left_hip",        \
-    "right_hip", "left_knee", "right_knee", "left_ankle", "right_ankle"
-#define OPENPOSE_ARMS "nose", "openpose_neck", "right_shoulder", "right_elbow", "right_wrist",     \
-    "left_shoulder", "left_elbow", "left_wrist"
+#define COCO                                                                                               \
+    "nose", "left_eye", "right_eye", "left_ear", "right_ear", "left_shoulder", "right_shoulder",           \
+        "left_elbow", "right_elbow", "left_wrist", "right_wrist", "left_hip", "right_hip", "left_knee",    \
+        "right_knee", "left_ankle", "right_ankle"
+#define OPENPOSE_ARMS                                                                                      \
+    "nose", "openpose_neck", "right_shoulder", "right_elbow", "right_wrist", "left_shoulder",              \
+        "left_elbow", "left_wrist"
 #define LEGS "right_hip", "right_knee", "right_ankle", "left_hip", "left_knee", "left_ankle"
 #define OPENPOSE_FACE "right_eye", "left_eye", "right_ear", "left_ear"
-#define CPM "crown", "upper_neck", "right_shoulder", "right_elbow", "right_wrist",                 \
-    "left_shoulder", "left_elbow", "left_wrist", LEGS
-#define H36M_ABOVE "spine", "thorax", "neck_base", "centre", "left_shoulder", "left_elbow",        \
-    "left_wrist", "right_shoulder", "right_elbow", "right_wrist"
+#define CPM                                                                                                \
+    "crown", "upper_neck", "right_shoulder", "right_elbow", "right_wrist", "left_shoulder", "left_elbow",  \
+        "left_wrist", LEGS
+#define H36M_ABOVE                                                                                         \
+    "spine", "thorax", "neck_base", "centre", "left_shoulder", "left_elbow", "left_wrist",                 \
+        "right_shoulder", "right_elbow", "right_wrist"
 
 static const struct {
     const edml_format *format;
@@ -27,44 +31,51 @@ static const struct {
     /* mmpose coco.py; tfjs-models pose-detection */
     {&edml_coco17, {COCO}},
     /* openpose poseParameters.cpp */
-    {&edml_body25, {OPENPOSE_ARMS, "mid_hip", LEGS, OPENPOSE_FACE, "left_big_toe", "left_small_toe",
-                    "left_heel", "right_big_toe", "right_small_toe", "right_heel"}},
+    {&edml_body25,
+     {OPENPOSE_ARMS, "mid_hip", LEGS, OPENPOSE_FACE, "left_big_toe", "left_small_toe", "left_heel",
+      "right_big_toe", "right_small_toe", "right_heel"}},
     {&edml_coco18, {OPENPOSE_ARMS, LEGS, OPENPOSE_FACE}},
     {&edml_mpi15, {CPM, "chest"}},
-    {&edml_body25b, {COCO, "upper_neck", "crown", "left_big_toe", "left_small_toe", "left_heel",
-                     "right_big_toe", "right_small_toe", "right_heel"}},
+    {&edml_body25b,
+     {COCO, "upper_neck", "crown", "left_big_toe", "left_small_toe", "left_heel", "right_big_toe",
+      "right_small_toe", "right_heel"}},
     /* CPM testing/config.m */
     {&edml_cpm14, {CPM}},
     /* mmpose mpii.py */
-    {&edml_mpii16, {"right_ankle", "right_knee", "right_hip", "left_hip", "left_knee", "left_ankle",
-                    "pelvis", "thorax", "upper_neck", "crown", "right_wrist", "right_elbow",
-                    "right_shoulder", "left_shoulder", "left_elbow", "left_wrist"}},
+    {&edml_mpii16,
+     {"right_ankle", "right_knee", "right_hip", "left_hip", "left_knee", "left_ankle", "pelvis", "thorax",
+      "upper_neck", "crown", "right_wrist", "right_elbow", "right_shoulder", "left_shoulder", "left_elbow",
+      "left_wrist"}},
     /* CPM training/genJSON.m; mmhuman3d lsp.py */
-    {&edml_lsp14, {"right_ankle", "right_knee", "right_hip", "left_hip", "left_knee", "left_ankle",
-                   "right_wrist", "right_elbow", "right_shoulder", "left_shoulder", "left_elbow",
-                   "left_wrist", "upper_neck", "crown"}},
+    {&edml_lsp14,
+     {"right_ankle", "right_knee", "right_hip", "left_hip", "left_knee", "left_ankle", "right_wrist",
+      "right_elbow", "right_shoulder", "left_shoulder", "left_elbow", "left_wrist", "upper_neck", "crown"}},
     /* mmpose h36m.py; mmhuman3d H36M_KEYPOINTS */
     {&edml_h36m17_right_first, {"root", LEGS, H36M_ABOVE}},
-    {&edml_h36m17_left_first, {"root", "left_hip", "left_knee", "left_ankle", "right_hip",
-                               "right_knee", "right_ankle", H36M_ABOVE}},
+    {&edml_h36m17_left_first,
+     {"root", "left_hip", "left_knee", "left_ankle", "right_hip", "right_knee", "right_ankle", H36M_ABOVE}},
     /* mediapipe pose_landmarker.py; the middle of an eye is called the eye */
     {&edml_blazepose33,
-     {"nose", "left_eye_inner", "left_eye", "left_eye_outer", "right_eye_inner", "right_eye",
-      "right_eye_outer", "left_ear", "right_ear", "mouth_left", "mouth_right", "left_shoulder",
-      "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist", "left_pinky",
-      "right_pinky", "left_index", "right_index", "left_thumb", "right_thumb", "left_hip",
-      "right_hip", "left_knee", "right_knee", "left_ankle", "right_ankle", "left_heel",
-      "right_heel", "left_foot_index", "right_foot_index"}},
+     {"nose",        "left_eye_inner",  "left_eye",        "left_eye_outer", "right_eye_inner",
+      "right_eye",   "right_eye_outer", "left_ear",        "right_ear",      "mouth_left",
+      "mouth_right", "left_shoulder",   "right_shoulder",  "left_elbow",     "right_elbow",
+      "left_wrist",  "right_wrist",     "left_pinky",      "right_pinky",    "left_index",
+      "right_index", "left_thumb",      "right_thumb",     "left_hip",       "right_hip",
+      "left_knee",   "right_knee",      "left_ankle",      "right_ankle",    "left_heel",
+      "right_heel",  "left_foot_index", "right_foot_index"}},
     /* mmpose halpe26.py */
-    {&edml_halpe26, {COCO, "crown", "throat", "hip", "left_big_toe", "right_big_toe",
-                     "left_small_toe", "right_small_toe", "left_heel", "right_heel"}},
+    {&edml_halpe26,
+     {COCO, "crown", "throat", "hip", "left_big_toe", "right_big_toe", "left_small_toe", "right_small_toe",
+      "left_heel", "right_heel"}},
     /* mmpose crowdpose.py */
-    {&edml_crowdpose14, {"left_shoulder", "right_shoulder", "left_elbow", "right_elbow",
-                         "left_wrist", "right_wrist", "left_hip", "right_hip", "left_knee",
-                         "right_knee", "left_ankle", "right_ankle", "crown", "neck_base"}},
+    {&edml_crowdpose14,
+     {"left_shoulder", "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist",
+      "left_hip", "right_hip", "left_knee", "right_knee", "left_ankle", "right_ankle", "crown",
+      "neck_base"}},
     /* mmpose aic.py */
-    {&edml_aic14, {"right_shoulder", "right_elbow", "right_wrist", "left_shoulder", "left_elbow",
-                   "left_wrist", LEGS, "crown", "neck_base"}},
+    {&edml_aic14,
+     {"right_shoulder", "right_elbow", "right_wrist", "left_shoulder", "left_elbow", "left_wrist", LEGS,
+      "crown", "neck_base"}},
 };
 enum { LISTS = (int)(sizeof lists / sizeof lists[0]) };
 
@@ -131,13 +142,14 @@ static void only_blazepose_counts_in_shares_of_the_image(void)
 static const struct {
     const char *name;
     float x, y;
-} figure[] = { /* faces the camera: the subject's right is at the left */
-    {"crown", 500, 140},          {"centre", 500, 200},        {"nose", 500, 215},
-    {"left_eye", 510, 185},       {"right_eye", 490, 185},     {"left_ear", 530, 200},
-    {"right_ear", 470, 200},      {"right_shoulder", 430, 300}, {"right_elbow", 330, 302},
-    {"right_wrist", 230, 304},    {"left_shoulder", 570, 300}, {"left_elbow", 670, 302},
-    {"left_wrist", 770, 304},     {"right_hip", 455, 500},     {"right_knee", 450, 650},
-    {"right_ankle", 445, 800},    {"left_hip", 545, 500},      {"left_knee", 550, 650},
+} figure[] = {
+    /* faces the camera: the subject's right is at the left */
+    {"crown", 500, 140},       {"centre", 500, 200},         {"nose", 500, 215},
+    {"left_eye", 510, 185},    {"right_eye", 490, 185},      {"left_ear", 530, 200},
+    {"right_ear", 470, 200},   {"right_shoulder", 430, 300}, {"right_elbow", 330, 302},
+    {"right_wrist", 230, 304}, {"left_shoulder", 570, 300},  {"left_elbow", 670, 302},
+    {"left_wrist", 770, 304},  {"right_hip", 455, 500},      {"right_knee", 450, 650},
+    {"right_ankle", 445, 800}, {"left_hip", 545, 500},       {"left_knee", 550, 650},
     {"left_ankle", 555, 800},
 };
 enum { POINTS = (int)(sizeof figure / sizeof figure[0]) };
@@ -355,9 +367,10 @@ static void every_format_lifts(void)
 static void what_is_not_finite_comes_through(void)
 {
     static const char *const heads[] = {"left_ear", "right_ear", "crown", "centre"};
-    static const edml_keypoint broken[] = {{NAN, 1, 1}, {1, INFINITY, 1}, {-INFINITY, 1, 1},
+    static const edml_keypoint broken[] = {
+        {NAN, 1, 1}, {1, INFINITY, 1}, {-INFINITY, 1, 1},
 #ifndef EDML_TEST_Q24 /* there every confidence is finite */
-                                           {1, 1, NAN}, {1, 1, INFINITY}, {1, 1, -INFINITY},
+        {1, 1, NAN}, {1, 1, INFINITY}, {1, 1, -INFINITY},
 #endif
     };
     for (int n = 0; n < LISTS; n++) {
@@ -426,8 +439,7 @@ static void a_mirrored_person_gives_mirrored_joints(void)
 static void a_limb_that_a_format_lacks_is_not_seen(void)
 {
     edml_format waist_up = edml_coco17;
-    for (int j = EDML_R_HIP; j < EDML_JOINTS; j++)
-        waist_up.limb[j - EDML_R_SHOULDER] = EDML_NO_KEYPOINT;
+    for (int j = EDML_R_HIP; j < EDML_JOINTS; j++) waist_up.limb[j - EDML_R_SHOULDER] = EDML_NO_KEYPOINT;
     detect(0);
     edml_adapt(out, in, &waist_up);
     for (int j = EDML_R_HIP; j < EDML_JOINTS; j++) check_not_seen(out[j]);
@@ -450,9 +462,8 @@ static void whole_numbers_up_to_the_ends_of_their_range(void)
                 wide[p].c = INT16_MAX;
             }
             edml_adapt_q(joint, wide, lists[n].format);
-            const int broken = !in_range(joint[EDML_R_SHOULDER]) ||
-                               !in_range(joint[EDML_L_SHOULDER]) || !in_range(joint[EDML_R_HIP]) ||
-                               !in_range(joint[EDML_L_HIP]);
+            const int broken = !in_range(joint[EDML_R_SHOULDER]) || !in_range(joint[EDML_L_SHOULDER]) ||
+                               !in_range(joint[EDML_R_HIP]) || !in_range(joint[EDML_L_HIP]);
             TEST_ASSERT_EQUAL_INT(!broken, in_range(joint[EDML_NECK_BASE]));
         }
     }

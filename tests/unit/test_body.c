@@ -210,11 +210,10 @@ static void a_pose_of_quite_another_size_is_refused(void)
 static void average_human(void)
 {
     static const edml_point standing[EDML_JOINTS] = {
-        {0, -0.77F, -0.05F},    {0, -0.48F, 0},
-        {-0.18F, -0.54F, 0},    {-0.20F, -0.26F, 0.04F},  {-0.22F, -0.05F, -0.12F},
-        {0.18F, -0.54F, 0},     {0.20F, -0.26F, 0.04F},   {0.22F, -0.05F, -0.12F},
-        {-0.10F, 0, 0},         {-0.12F, 0.39F, -0.08F},  {-0.12F, 0.80F, 0},
-        {0.10F, 0, 0},          {0.12F, 0.39F, -0.08F},   {0.12F, 0.80F, 0},
+        {0, -0.77F, -0.05F},      {0, -0.48F, 0},          {-0.18F, -0.54F, 0},    {-0.20F, -0.26F, 0.04F},
+        {-0.22F, -0.05F, -0.12F}, {0.18F, -0.54F, 0},      {0.20F, -0.26F, 0.04F}, {0.22F, -0.05F, -0.12F},
+        {-0.10F, 0, 0},           {-0.12F, 0.39F, -0.08F}, {-0.12F, 0.80F, 0},     {0.10F, 0, 0},
+        {0.12F, 0.39F, -0.08F},   {0.12F, 0.80F, 0},
     };
     lift_of(standing);
     photograph(in, pose.joint);
@@ -389,7 +388,8 @@ static void check_floor(edml_point up)
     for (int j = 1; j < EDML_JOINTS; j++) {
         const edml_point a = pose.joint[0], b = pose.joint[j];
         const double rise = ((double)(b.x - a.x) * (double)up.x + (double)(b.y - a.y) * (double)up.y +
-                             (double)(b.z - a.z) * (double)up.z) / size;
+                             (double)(b.z - a.z) * (double)up.z) /
+                            size;
         TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, (float)rise, stood[j].y - stood[0].y);
     }
 }

@@ -1,4 +1,4 @@
-/* camera.inc: poses placed before a camera.
+/* optional/camera: poses placed before a camera.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -125,7 +125,8 @@ static void exact_points_are_found_again(void)
         if (placement.steps > steps) steps = placement.steps;
     }
     printf("camera: 1000 exact poses, at worst %.5f degrees, %.5f %% of the distance, %.5f pixels, "
-           "%d steps\n", (double)angle, (double)(100 * shift), (double)pixels, steps);
+           "%d steps\n",
+           (double)angle, (double)(100 * shift), (double)pixels, steps);
     TEST_ASSERT_ERROR_UP_TO(PLACE_DEGREES, angle);
     TEST_ASSERT_ERROR_UP_TO(PLACE_SHARE, shift);
     TEST_ASSERT_ERROR_UP_TO(PLACE_PIXELS, pixels);
@@ -280,7 +281,9 @@ static void doubtful_joints_count_for_less(void)
     in[EDML_R_ANKLE].x += 40;
     float error[3];
     for (int n = 0; n < 3; n++) {
-        in[EDML_R_ANKLE].c = n == 0 ? 1 : n == 1 ? 0.1F : 0.005F; /* the last: a thousandth of all, or less */
+        in[EDML_R_ANKLE].c = n == 0   ? 1
+                             : n == 1 ? 0.1F
+                                      : 0.005F; /* the last: a thousandth of all, or less */
         run();
         error[n] = translation_error();
     }
@@ -299,7 +302,8 @@ static void the_sweep_finds_a_focal_length_of_its_own(void)
         someone_somewhere(&r, 2, 2.5F);
         const edml_camera one = {focal, focal, 320, 240};
         see(in, &one, person);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_place_sweep(&placement, &found, &pose, in, 640, 480, &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(
+            EDML_OK, edml_place_sweep(&placement, &found, &pose, in, 640, 480, &work, sizeof work));
         TEST_ASSERT_ERROR_UP_TO(0.01F, found.fx / focal - 1);
         TEST_ASSERT_TRUE(found.fx == found.fy && found.cx == 320 && found.cy == 240);
         TEST_ASSERT_ERROR_UP_TO(PLACE_SWEEP_SHARE, translation_error());
@@ -308,17 +312,20 @@ static void the_sweep_finds_a_focal_length_of_its_own(void)
 
 static void the_sweep_needs_an_image(void)
 {
-    static const float sizes[][2] = {{640, 0},        {640, -480},     {0, 480},       {-640, 480},
-                                     {640, NAN},      {NAN, 480},      {INFINITY, 480}, {640, INFINITY}};
+    static const float sizes[][2] = {{640, 0},   {640, -480}, {0, 480},        {-640, 480},
+                                     {640, NAN}, {NAN, 480},  {INFINITY, 480}, {640, INFINITY}};
     rng r = rng_seed(80);
     edml_camera found;
     someone_somewhere(&r, 3, 6);
     for (int n = 0; n < 8; n++)
-        TEST_ASSERT_EQUAL_INT(EDML_ERR_CAMERA,
-                              edml_place_sweep(&placement, &found, &pose, in, sizes[n][0], sizes[n][1], &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place_sweep(NULL, &found, &pose, in, 640, 480, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place_sweep(&placement, NULL, &pose, in, 640, 480, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place_sweep(&placement, &found, NULL, in, 640, NAN, &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_CAMERA, edml_place_sweep(&placement, &found, &pose, in, sizes[n][0],
+                                                                sizes[n][1], &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
+                          edml_place_sweep(NULL, &found, &pose, in, 640, 480, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
+                          edml_place_sweep(&placement, NULL, &pose, in, 640, 480, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
+                          edml_place_sweep(&placement, &found, NULL, in, 640, NAN, &work, sizeof work));
 }
 
 /* ---- What gets no place ------------------------------------------------------------------------ */
@@ -344,7 +351,8 @@ static void null_pointers(void)
     someone_usual(81);
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(NULL, &pose, in, &camera, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, NULL, in, &camera, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, NULL, &camera, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
+                          edml_place(&placement, &pose, NULL, &camera, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, in, NULL, &work, sizeof work));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, in, &camera, NULL, sizeof work));
 }

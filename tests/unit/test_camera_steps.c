@@ -11,7 +11,7 @@
 static const edml_camera camera = {1145, 1145, 500, 500};
 static edml_work memory;
 static edml_pose someone;
-static matrix3 truth; /* the rotation that places them, in the scene */
+static matrix3 truth;        /* the rotation that places them, in the scene */
 static point place_of_truth; /* of their origin, from the camera */
 
 /* Someone 3 to 6 m away, noise in pixels on the image: a view of them. */
@@ -35,8 +35,8 @@ static scene random_view(rng *r, float noise)
     }
     TEST_ASSERT_EQUAL_INT(EDML_OK, set_up_scene(&v, &someone, image, &camera));
     const matrix3 in_camera_axes = {{(float)turn.at[0][0], (float)turn.at[0][1], (float)turn.at[0][2]},
-                                 {(float)turn.at[1][0], (float)turn.at[1][1], (float)turn.at[1][2]},
-                                 {(float)turn.at[2][0], (float)turn.at[2][1], (float)turn.at[2][2]}};
+                                    {(float)turn.at[1][0], (float)turn.at[1][1], (float)turn.at[1][2]},
+                                    {(float)turn.at[2][0], (float)turn.at[2][1], (float)turn.at[2][2]}};
     truth = compose(&v.view_rotation, &in_camera_axes);
     place_of_truth = (point){across, 0, depth};
     return v;
@@ -78,8 +78,8 @@ static void the_best_rotation_is_a_rotation_and_the_best(void)
     rng r = rng_seed(92);
     for (int n = 0; n < 200; n++) {
         const matrix3 m = {{gauss(&r), gauss(&r), gauss(&r)},
-                        {gauss(&r), gauss(&r), gauss(&r)},
-                        {gauss(&r), gauss(&r), gauss(&r)}};
+                           {gauss(&r), gauss(&r), gauss(&r)},
+                           {gauss(&r), gauss(&r), gauss(&r)}};
         matrix3 found;
         TEST_ASSERT_TRUE(nearest_rotation(&found, &m));
         TEST_ASSERT_ERROR_UP_TO(STEP_ROTATION, dot(cross(found.x, found.y), found.z) - 1);
@@ -108,7 +108,8 @@ static void alternating_never_raises_the_error_in_space(void)
             const float before = s.error;
             next = s;
             if (!orthogonal_iteration_step(&next, &v, &s)) { /* at the minimum, or behind the camera */
-                TEST_ASSERT_TRUE(next.translation.z <= 0 || next.error < before * (1 + STEP_ERROR) + 1e-12F);
+                TEST_ASSERT_TRUE(next.translation.z <= 0 ||
+                                 next.error < before * (1 + STEP_ERROR) + 1e-12F);
                 break;
             }
             TEST_ASSERT_TRUE(next.error < before);
@@ -149,7 +150,9 @@ static void descending_ends_where_alternating_does(void)
         const int steps = object_space_descent(&s, &v);
         TEST_ASSERT_TRUE(steps >= 0 && steps <= MAX_STEPS && s.error <= before);
         int k = 0;
-        for (; k < 5000 && orthogonal_iteration_step(&next, &v, &slow) && next.error < slow.error * (1 - 1e-6F); k++)
+        for (; k < 5000 && orthogonal_iteration_step(&next, &v, &slow) &&
+               next.error < slow.error * (1 - 1e-6F);
+             k++)
             slow = next;
         plain += k;
         quick += steps;
@@ -169,7 +172,8 @@ static void the_start_is_near_and_the_reversed_one_is_not(void)
         TEST_ASSERT_TRUE(orthographic_start(&s, &v));
         near += off_by(&s.rotation, &truth) < 0.5F;
         TEST_ASSERT_TRUE(reversed_start(&reversed, &v, &s));
-        TEST_ASSERT_TRUE(off_by(&reversed.rotation, &s.rotation) > 1e-4F || off_by(&s.rotation, &truth) > 0.5F);
+        TEST_ASSERT_TRUE(off_by(&reversed.rotation, &s.rotation) > 1e-4F ||
+                         off_by(&s.rotation, &truth) > 0.5F);
     }
     TEST_ASSERT_TRUE(near > 190);
 }

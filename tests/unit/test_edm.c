@@ -1,4 +1,4 @@
-/* edm.inc: normalised distances in the image, and what is refused.
+/* lift/edm.h: normalised distances in the image, and what is refused.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -31,10 +31,7 @@ static void someone(void)
     photograph(in, x);
 }
 
-static edml_status run(float out[EDML_PAIRS])
-{
-    return edml_edm(out, in, FEWEST, WIDEST, NULL);
-}
+static edml_status run(float out[EDML_PAIRS]) { return edml_edm(out, in, FEWEST, WIDEST, NULL); }
 
 static edml_status run_completed(float out[EDML_PAIRS])
 {
@@ -73,9 +70,9 @@ static void values_are_distances_over_half_the_height(void)
         TEST_ASSERT_EQUAL_INT(EDML_OK, run(edm));
         for (int i = 0; i < EDML_JOINTS; i++)
             for (int j = i + 1; j < EDML_JOINTS; j++)
-                again[EDML_PAIR(i, j)] =
-                    (float)(hypot((double)(in[i].x - in[j].x), (double)(in[i].y - in[j].y)) /
-                            ((bottom - top) / 2));
+                again[EDML_PAIR(i, j)] = (float)(hypot((double)(in[i].x - in[j].x),
+                                                       (double)(in[i].y - in[j].y)) /
+                                                 ((bottom - top) / 2));
         TEST_ASSERT_ERROR_UP_TO(EDM_TOLERANCE, worst_difference());
     }
 }
@@ -201,9 +198,9 @@ static void a_guess_is_at_the_weighted_mean_of_the_others(void)
         }
         for (int i = 0; i < EDML_JOINTS; i++)
             for (int j = i + 1; j < EDML_JOINTS; j++)
-                again[EDML_PAIR(i, j)] =
-                    (float)(hypot((double)(all[i].x - all[j].x), (double)(all[i].y - all[j].y)) /
-                            ((bottom - top) / 2));
+                again[EDML_PAIR(i, j)] = (float)(hypot((double)(all[i].x - all[j].x),
+                                                       (double)(all[i].y - all[j].y)) /
+                                                 ((bottom - top) / 2));
         TEST_ASSERT_ERROR_UP_TO(EDM_GUESSED_TOLERANCE, worst_difference());
     }
 }
@@ -441,8 +438,7 @@ static void extreme_coordinates_give_finite_values_or_a_refusal(void)
         someone();
         map(size[n], 0, size[n], 0);
         const edml_status status = run(edm);
-        TEST_ASSERT_TRUE(status == EDML_OK || status == EDML_ERR_DEGENERATE ||
-                         status == EDML_ERR_ASPECT);
+        TEST_ASSERT_TRUE(status == EDML_OK || status == EDML_ERR_DEGENERATE || status == EDML_ERR_ASPECT);
         if (status != EDML_OK) continue;
         TEST_ASSERT_TRUE(all_finite(edm, EDML_PAIRS));
         for (int k = 0; k < EDML_PAIRS; k++) TEST_ASSERT_TRUE(edm[k] >= 0 && edm[k] <= 2 * WIDEST + 2);

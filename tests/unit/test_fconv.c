@@ -85,8 +85,8 @@ static void integers_are_near_floats(void)
     float worst = 0;
     for (int n = 0; n < VECTORS - 1; n++)
         for (int k = 0; k < EDML_PAIRS; k++)
-            worst = worse(worst, (float)fabs(fconv_vectors[n].whole[k] / 16777216.0 -
-                                             fconv_vectors[n].distance[k]));
+            worst = worse(
+                worst, (float)fabs(fconv_vectors[n].whole[k] / 16777216.0 - fconv_vectors[n].distance[k]));
     printf("FConv in integers beside float, worst: %.3g\n", (double)worst);
     TEST_ASSERT_ERROR_UP_TO(FCONV_W8_TOLERANCE, worst);
 }
@@ -112,8 +112,7 @@ static void input_beyond_any_edm_is_limited(void)
     for (int n = 0; n < 2; n++) { /* 8, and the largest there is: both are 32767 in Q12 */
         for (int k = 0; k < EDML_PAIRS; k++) edm[k] = n == 0 ? 8 << 24 : INT32_MAX;
         edml_predict_q(distance, edm, &w8, &work_q24, sizeof work_q24);
-        for (int k = 0; k < EDML_PAIRS; k++)
-            TEST_ASSERT_TRUE(distance[k] >= 0 && distance[k] <= 3 << 24);
+        for (int k = 0; k < EDML_PAIRS; k++) TEST_ASSERT_TRUE(distance[k] >= 0 && distance[k] <= 3 << 24);
     }
 }
 
@@ -166,8 +165,7 @@ static void both_lifts_give_the_same_pose(void)
             again.joint[j].y = (float)whole.joint[j].y / 65536.0F;
             again.joint[j].z = (float)whole.joint[j].z / 65536.0F;
         }
-        if (pose.mirror_margin > 0.01F)
-            worst = worse(worst, worst_joint_error(pose.joint, again.joint));
+        if (pose.mirror_margin > 0.01F) worst = worse(worst, worst_joint_error(pose.joint, again.joint));
         TEST_ASSERT_EQUAL_INT(pose.seen, whole.seen);
     }
     TEST_ASSERT_ERROR_UP_TO(FCONV_LIFT_TOLERANCE, worst);
@@ -207,8 +205,7 @@ static void the_work_memory_of_fconn_is_too_small(void)
     TEST_ASSERT_EQUAL_INT(EDML_ERR_WORK_TOO_SMALL, edml_lift(&pose, in, &w8, &plain, sizeof plain));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_WORK_TOO_SMALL,
                           edml_lift_q(&lifted, in_q16, &w8, &plain_q24, sizeof plain_q24));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL,
-                          edml_lift_q(&lifted, in_q16, &f32, &plain_q24, sizeof plain_q24));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q(&lifted, in_q16, &f32, &plain_q24, sizeof plain_q24));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_MODEL, edml_lift_q(&lifted, in_q16, &f32, &work_q24, sizeof work_q24));
     edml_track_start(&track);
     track_before = track;
@@ -252,7 +249,8 @@ static void fconn_takes_the_larger_work_memory_as_well(void)
         TEST_ASSERT_SAME_BYTES(again, pose);
         if (n == 0) continue;
         TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&lifted, in_q16, models[n], &work_q24, sizeof work_q24));
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&other, in_q16, models[n], &plain_q24, sizeof plain_q24));
+        TEST_ASSERT_EQUAL_INT(EDML_OK,
+                              edml_lift_q(&other, in_q16, models[n], &plain_q24, sizeof plain_q24));
         TEST_ASSERT_SAME_BYTES(other, lifted);
     }
 }

@@ -1,4 +1,4 @@
-/* fixed.c: division and square root in whole numbers, against exact arithmetic.
+/* number/fixed.c: division and square root in whole numbers, against exact arithmetic.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -45,8 +45,7 @@ static void roots_at_the_ends_and_around_powers_of_two(void)
     check_root((uint64_t)UINT32_MAX * UINT32_MAX);
     check_root((uint64_t)UINT32_MAX * UINT32_MAX - 1);
     for (int bit = 0; bit < 64; bit++)
-        for (int offset = -2; offset <= 2; offset++)
-            check_root((UINT64_C(1) << bit) + (uint64_t)offset);
+        for (int offset = -2; offset <= 2; offset++) check_root((UINT64_C(1) << bit) + (uint64_t)offset);
 }
 
 static void roots_of_random_numbers_of_every_size(void)
@@ -96,9 +95,9 @@ static void ratios_of_random_numbers_of_every_size(void)
 
 static void ratios_at_the_ends(void)
 {
-    static const int64_t ends[] = {INT32_MIN, INT32_MIN + 1, INT32_MAX - 1, INT32_MAX,
-                                   1 << 30, (1 << 30) - 1, (1 << 24) + 1, (1 << 24) - 1,
-                                   0xFFFF, 0x10000, 0x10001, 0x7FFF0000, 0x7FFFFFFE, 1, -1};
+    static const int64_t ends[] = {INT32_MIN,     INT32_MIN + 1, INT32_MAX - 1, INT32_MAX, 1 << 30,
+                                   (1 << 30) - 1, (1 << 24) + 1, (1 << 24) - 1, 0xFFFF,    0x10000,
+                                   0x10001,       0x7FFF0000,    0x7FFFFFFE,    1,         -1};
     for (int i = 0; i < 15; i++) {
         check_ratio(0, ends[i]);
         for (int j = 0; j < 15; j++)

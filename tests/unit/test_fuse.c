@@ -1,4 +1,4 @@
-/* blend.inc: the weighted mean of a pose and its image.
+/* lift/fuse.h: the weighted mean of a pose and its image.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -132,7 +132,8 @@ static void what_disagrees_shrinks_by_the_weight(void)
         const double before = disagreement(x, seen);
         edml_fuse(x, in, seen, &model);
         const double left = 1 - share / (1 + before / (misfit * misfit));
-        TEST_ASSERT_ERROR_UP_TO(BLEND_TOLERANCE, (float)(sqrt(disagreement(x, seen)) - left * sqrt(before)));
+        TEST_ASSERT_ERROR_UP_TO(BLEND_TOLERANCE,
+                                (float)(sqrt(disagreement(x, seen)) - left * sqrt(before)));
     }
 }
 
@@ -237,8 +238,7 @@ static void equal_points_stay_at_the_origin(void)
     someone(&r, 0);
     equal_points(x, 0, 0, 0);
     edml_fuse(x, in, ALL_SEEN, &model);
-    for (int j = 0; j < EDML_JOINTS; j++)
-        TEST_ASSERT_TRUE(x[j].x == 0 && x[j].y == 0 && x[j].z == 0);
+    for (int j = 0; j < EDML_JOINTS; j++) TEST_ASSERT_TRUE(x[j].x == 0 && x[j].y == 0 && x[j].z == 0);
 }
 
 static void no_joints_leave_the_pose_and_bits_beyond_them_do_not_count(void)

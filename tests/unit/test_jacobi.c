@@ -1,4 +1,4 @@
-/* jacobi.inc: eigenvalues and eigenvectors, also of matrices without a single right answer.
+/* lift/jacobi.h: eigenvalues and eigenvectors, also of matrices without a single right answer.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -53,8 +53,7 @@ static void graded(rng *r)
 {
     sign_mixed(r);
     for (int i = 0; i < N; i++)
-        for (int j = i; j < N; j++)
-            set(i, j, a.at[i][j] * powf(10, -6.0F * (float)(i + j) / (2 * N - 2)));
+        for (int j = i; j < N; j++) set(i, j, a.at[i][j] * powf(10, -6.0F * (float)(i + j) / (2 * N - 2)));
 }
 
 /* -D^2/2 of a person, before centring: indefinite, one negative and a few positive eigenvalues. */
@@ -167,8 +166,7 @@ static void rank_one_has_one_eigenvalue_that_is_not_zero(void)
     rng r = rng_seed(12);
     rank_one(&r);
     check_all();
-    for (int k = 1; k < N; k++)
-        TEST_ASSERT_ERROR_UP_TO(EIGENPAIR_TOLERANCE * e.value[0], e.value[k]);
+    for (int k = 1; k < N; k++) TEST_ASSERT_ERROR_UP_TO(EIGENPAIR_TOLERANCE * e.value[0], e.value[k]);
 }
 
 static void zero_matrix(void)

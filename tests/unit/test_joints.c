@@ -9,8 +9,7 @@
 static void each_joint_has_its_own_name(void)
 {
     for (int i = 0; i < EDML_JOINTS; i++)
-        for (int j = 0; j < i; j++)
-            TEST_ASSERT_TRUE(strcmp(edml_joint_name(i), edml_joint_name(j)) != 0);
+        for (int j = 0; j < i; j++) TEST_ASSERT_TRUE(strcmp(edml_joint_name(i), edml_joint_name(j)) != 0);
 }
 
 static void names_follow_the_order_of_the_enumeration(void)
@@ -36,8 +35,7 @@ static void joints_that_do_not_exist_have_the_name_of_none(void)
 
 static void mirroring_twice_changes_nothing(void)
 {
-    for (int j = 0; j < EDML_JOINTS; j++)
-        TEST_ASSERT_EQUAL_INT(j, edml_mirror_joint[edml_mirror_joint[j]]);
+    for (int j = 0; j < EDML_JOINTS; j++) TEST_ASSERT_EQUAL_INT(j, edml_mirror_joint[edml_mirror_joint[j]]);
 }
 
 static void mirroring_swaps_right_and_left_in_the_name(void)

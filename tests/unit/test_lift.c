@@ -1,4 +1,4 @@
-/* lift.inc: the whole pipeline, and what bad input gets.
+/* lift/lift.h: the whole pipeline, and what bad input gets.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -179,8 +179,7 @@ static void a_lift_is_its_stages(void)
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_edm(edm, in, 4, 100, edml_fconn_f32.imputation));
     edml_predict(distance, edm, &edml_fconn_f32, &work, sizeof work);
     edml_mds(x, distance, &work);
-    edml_refine(x, distance, (edml_objective)edml_fconn_f32.objective,
-                    edml_fconn_f32.refine_steps, &work);
+    edml_refine(x, distance, (edml_objective)edml_fconn_f32.objective, edml_fconn_f32.refine_steps, &work);
     again.residual = sqrtf(edml_stress(x, distance, EDML_STRESS_RAW));
     again.mirror_margin = edml_mirror(x, &edml_fconn_f32);
     again.seen = ALL_SEEN & ~(1 << EDML_R_KNEE);
@@ -312,13 +311,15 @@ static void what_work_memory_held_does_not_matter(void)
 }
 
 /* Another lift between two stages of one: what an interrupt or a second thread would do. */
-static void interrupt(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
-                      const edml_model *model, void *scratch)
+static void interrupt(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,
+                      void *scratch)
 {
     edml_pose other;
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&other, whole, &edml_fconn_f32, &other_work, sizeof other_work));
+    TEST_ASSERT_EQUAL_INT(EDML_OK,
+                          edml_lift(&other, whole, &edml_fconn_f32, &other_work, sizeof other_work));
     edml_fconn_f32.predict_f32(distance, edm, model, scratch);
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&other, whole, &edml_fconn_f32, &other_work, sizeof other_work));
+    TEST_ASSERT_EQUAL_INT(EDML_OK,
+                          edml_lift(&other, whole, &edml_fconn_f32, &other_work, sizeof other_work));
 }
 
 static void a_lift_inside_a_lift_changes_no_bit(void)

@@ -99,7 +99,8 @@ static void a_lift_is_its_stages(void)
 
 static void moving_the_image_changes_no_bit(void)
 {
-    static const int32_t by[][2] = {{PIXEL, 0}, {-3000 * PIXEL, 2000 * PIXEL}, {7000 * PIXEL, -7000 * PIXEL}};
+    static const int32_t by[][2] = {
+        {PIXEL, 0}, {-3000 * PIXEL, 2000 * PIXEL}, {7000 * PIXEL, -7000 * PIXEL}};
     for (int n = 0; n < 3; n++) {
         someone(3);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run(&pose));
@@ -169,13 +170,15 @@ static void what_work_memory_held_does_not_matter(void)
 }
 
 /* Another lift between two stages of one: what an interrupt or a second thread would do. */
-static void interrupt(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
-                      const edml_model *model, void *scratch)
+static void interrupt(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS], const edml_model *model,
+                      void *scratch)
 {
     edml_pose_q other;
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&other, whole, &edml_fconn_w16, &other_work, sizeof other_work));
+    TEST_ASSERT_EQUAL_INT(EDML_OK,
+                          edml_lift_q(&other, whole, &edml_fconn_w16, &other_work, sizeof other_work));
     edml_fconn_w16.predict_q(distance, edm, model, scratch);
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&other, whole, &edml_fconn_w16, &other_work, sizeof other_work));
+    TEST_ASSERT_EQUAL_INT(EDML_OK,
+                          edml_lift_q(&other, whole, &edml_fconn_w16, &other_work, sizeof other_work));
 }
 
 static void a_lift_inside_a_lift_changes_no_bit(void)

@@ -1,4 +1,4 @@
-/* mds.inc: points from distances, and what stopping early costs.
+/* lift/mds.h: points from distances, and what stopping early costs.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -70,8 +70,7 @@ static void no_distance_gives_points_at_the_origin(void)
 {
     memset(distance, 0, sizeof distance);
     edml_mds(x, distance, &work);
-    for (int j = 0; j < EDML_JOINTS; j++)
-        TEST_ASSERT_TRUE(x[j].x == 0 && x[j].y == 0 && x[j].z == 0);
+    for (int j = 0; j < EDML_JOINTS; j++) TEST_ASSERT_TRUE(x[j].x == 0 && x[j].y == 0 && x[j].z == 0);
 }
 
 /* Every joint 4 m from every other: the largest the header allows; 13 equal eigenvalues. */
@@ -170,8 +169,7 @@ static void full_mds(edml_point out[EDML_JOINTS], const float d[EDML_PAIRS])
     }
     edml_matrix gram;
     for (int i = 0; i < EDML_JOINTS; i++)
-        for (int j = 0; j < EDML_JOINTS; j++)
-            gram.at[i][j] = (float)(a[i][j] - mean[i] - mean[j] + all);
+        for (int j = 0; j < EDML_JOINTS; j++) gram.at[i][j] = (float)(a[i][j] - mean[i] - mean[j] + all);
     edml_jacobi(&e, &gram);
     for (int j = 0; j < EDML_JOINTS; j++) {
         out[j].x = e.value[0] > 0 ? sqrtf(e.value[0]) * e.vector[0][j] : 0;

@@ -1,4 +1,4 @@
-/* mirror.inc: the pose, not its mirror image.  What is tested holds for any sensible weights.
+/* lift/mirror.h: the pose, not its mirror image.  What is tested holds for any sensible weights.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -80,8 +80,7 @@ static void a_layer_is_weight_times_input_plus_bias(void)
     for (int n = 0; n < EDML_PAIRS; n++) edm[n] = (float)(n % 7) * 0.25F;
     const edml_model model = diagonal_model(2, 1, 1);
     edml_predict(distance, edm, &model, &work, sizeof work);
-    for (int n = 0; n < EDML_PAIRS; n++)
-        TEST_ASSERT_TRUE(distance[n] == 2 * edm[n] + (float)n);
+    for (int n = 0; n < EDML_PAIRS; n++) TEST_ASSERT_TRUE(distance[n] == 2 * edm[n] + (float)n);
 }
 
 static void a_layer_adds_up_all_inputs(void)
@@ -94,8 +93,7 @@ static void a_layer_adds_up_all_inputs(void)
         sum += 0.5 * n;
     }
     edml_predict(distance, edm, &model, &work, sizeof work);
-    for (int n = 0; n < EDML_PAIRS; n++)
-        TEST_ASSERT_TRUE(distance[n] == (n == 3 ? (float)sum : 0.0F));
+    for (int n = 0; n < EDML_PAIRS; n++) TEST_ASSERT_TRUE(distance[n] == (n == 3 ? (float)sum : 0.0F));
 }
 
 static void negative_sums_become_zero(void)
@@ -103,8 +101,7 @@ static void negative_sums_become_zero(void)
     for (int n = 0; n < EDML_PAIRS; n++) edm[n] = 40;
     const edml_model model = diagonal_model(1, -1, 1);
     edml_predict(distance, edm, &model, &work, sizeof work);
-    for (int n = 0; n < EDML_PAIRS; n++)
-        TEST_ASSERT_TRUE(distance[n] == (n < 40 ? (float)(40 - n) : 0.0F));
+    for (int n = 0; n < EDML_PAIRS; n++) TEST_ASSERT_TRUE(distance[n] == (n < 40 ? (float)(40 - n) : 0.0F));
 }
 
 static void layers_follow_one_another(void)
@@ -139,7 +136,7 @@ static edml_dense_w16 wide_layer(const edml_model *model, int n, int16_t wide[WI
     const edml_dense_w8 *narrow = &((const edml_dense_w8 *)model->layers)[n];
     const int count = (narrow->outputs + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS * narrow->inputs;
     for (int k = 0; k < count; k++) wide[k] = narrow->weight[k];
-    const edml_dense_w16 layer = {narrow->inputs, narrow->outputs, wide,        narrow->bias,
+    const edml_dense_w16 layer = {narrow->inputs,     narrow->outputs, wide,         narrow->bias,
                                   narrow->multiplier, narrow->shift,   narrow->clamp};
     return layer;
 }
@@ -314,8 +311,10 @@ typedef struct {
 
 static const kind fconn_w16 = {edml__fconn_w16, edml__fconn_checksum_w16, 1, 100, 100, EDML_PAIRS, 32767};
 static const kind fconn_w8 = {edml__fconn_w8, edml__fconn_checksum_w8, 0, 100, 100, EDML_PAIRS, 32767};
-static const kind equivariant_w16 = {edml__equivariant_w16, edml__equivariant_checksum_w16, 1, 48, 96, 49, 16383};
-static const kind equivariant_w8 = {edml__equivariant_w8, edml__equivariant_checksum_w8, 0, 48, 96, 49, 16383};
+static const kind equivariant_w16 = {
+    edml__equivariant_w16, edml__equivariant_checksum_w16, 1, 48, 96, 49, 16383};
+static const kind equivariant_w8 = {
+    edml__equivariant_w8, edml__equivariant_checksum_w8, 0, 48, 96, 49, 16383};
 static const kind *const kinds[] = {&fconn_w16, &fconn_w8, &equivariant_w16, &equivariant_w8};
 
 static edml_model random_model(uint32_t seed, const kind *of)
@@ -334,10 +333,10 @@ static edml_model random_model(uint32_t seed, const kind *of)
             bias_q24[n][k] = (int32_t)uniform(&r, -(1 << 29), 1 << 30);
             multiplier_q24[n][k] = k == 0 ? 1 : k == 1 ? INT32_MAX : (int32_t)(rng_bits(&r) >> 1 | 1);
         }
-        const edml_dense_w16 w16 = {inputs,        outputs, weight_w16[n], bias_q24[n],
-                                    multiplier_q24[n], shift,   limit};
-        const edml_dense_w8 w8 = {inputs,        outputs, weight_w8[n], bias_q24[n],
-                                  multiplier_q24[n], shift,   limit};
+        const edml_dense_w16 w16 = {inputs, outputs, weight_w16[n], bias_q24[n], multiplier_q24[n],
+                                    shift,  limit};
+        const edml_dense_w8 w8 = {inputs, outputs, weight_w8[n], bias_q24[n], multiplier_q24[n],
+                                  shift,  limit};
         layers_w16[n] = w16;
         layers_w8[n] = w8;
     }
@@ -398,7 +397,7 @@ static edml_model identity_w16(int32_t offset, int32_t multiplier, uint8_t shift
         bias_q24[0][n] = offset;
         multiplier_q24[0][n] = multiplier;
     }
-    const edml_dense_w16 layer = {EDML_PAIRS,    EDML_PAIRS, weight_w16[0], bias_q24[0],
+    const edml_dense_w16 layer = {EDML_PAIRS,        EDML_PAIRS, weight_w16[0], bias_q24[0],
                                   multiplier_q24[0], shift,      clamp};
     layers_w16[0] = layer;
     edml_model model = edml_fconn_w16;

@@ -1,4 +1,4 @@
-/* orient.inc: turned to the camera, rooted at mid-hip.
+/* lift/orient.h: turned to the camera, rooted at mid-hip.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,7 +16,7 @@ static edml_point random_shift(rng *r)
     return shift;
 }
 
-/* Share of the points' spread that lies along their thinnest axis.  The ridge of orient.inc adds
+/* Share of the points' spread that lies along their thinnest axis.  The ridge of orient.h adds
  * 0.01 to it, and so turns thin bodies too little: the thinner, the more. */
 static float thinness(const edml_point p[EDML_JOINTS])
 {
@@ -95,8 +95,8 @@ static void points_spread_evenly_come_back_to_rounding(void)
         person[n].y = n & 2 ? 0.5F : -0.5F;
         person[n].z = n & 4 ? 0.5F : -0.5F;
     }
-    static const edml_point axes[] = {{.7F, 0, 0}, {-.7F, 0, 0}, {0, .7F, 0},
-                                      {0, -.7F, 0}, {0, 0, .7F}, {0, 0, -.7F}};
+    static const edml_point axes[] = {{.7F, 0, 0},  {-.7F, 0, 0}, {0, .7F, 0},
+                                      {0, -.7F, 0}, {0, 0, .7F},  {0, 0, -.7F}};
     memcpy(person + 8, axes, sizeof axes);
     root_at_mid_hip(person);
     for (int n = 0; n < 50; n++) {

@@ -1,4 +1,4 @@
-/* refine.inc: downhill, never uphill.
+/* lift/refine.h: downhill, never uphill.
  *
  * SPDX-License-Identifier: MIT
  */

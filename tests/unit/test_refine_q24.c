@@ -1,4 +1,4 @@
-/* refine.inc in fixed point: downhill, never uphill, never out of range, and where float32 goes.
+/* lift/refine.h in fixed point: downhill, never uphill, never out of range, and where float32 goes.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -246,26 +246,17 @@ static void compare(edml_objective objective, const char *name)
         worst = worse(worst, worst_joint_error(refined, person));
         worst_rise = worse(worst_rise, reached / expected - 1.0F);
     }
-    printf("refined in Q24, of %d people: %s at worst %.4f mm off, the objective %.4f %% higher\n",
-           PEOPLE, name, 1e3 * (double)worst, 1e2 * (double)worst_rise);
+    printf("refined in Q24, of %d people: %s at worst %.4f mm off, the objective %.4f %% higher\n", PEOPLE,
+           name, 1e3 * (double)worst, 1e2 * (double)worst_rise);
     TEST_ASSERT_ERROR_UP_TO(REFINE_Q24_TOLERANCE, worst);
     TEST_ASSERT_TRUE(worst_rise <= REFINE_Q24_RISE);
 }
 
-static void s_stress_is_refined_as_by_float(void)
-{
-    compare(EDML_STRESS_SQUARE, "s-stress");
-}
+static void s_stress_is_refined_as_by_float(void) { compare(EDML_STRESS_SQUARE, "s-stress"); }
 
-static void raw_stress_is_refined_as_by_float(void)
-{
-    compare(EDML_STRESS_RAW, "raw stress");
-}
+static void raw_stress_is_refined_as_by_float(void) { compare(EDML_STRESS_RAW, "raw stress"); }
 
-static void eq2_is_refined_as_by_float(void)
-{
-    compare(EDML_STRESS_EQ2, "eq. 2");
-}
+static void eq2_is_refined_as_by_float(void) { compare(EDML_STRESS_EQ2, "eq. 2"); }
 
 static void exact_distances_come_back_from_disturbed_points(void)
 {

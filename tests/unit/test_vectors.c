@@ -21,8 +21,7 @@ static void to_floats(float *to, const double *from, int count)
 static float worst_difference(const float *actual, const double *expected, int count)
 {
     float worst = 0;
-    for (int n = 0; n < count; n++)
-        worst = worse(worst, (float)fabs((double)actual[n] - expected[n]));
+    for (int n = 0; n < count; n++) worst = worse(worst, (float)fabs((double)actual[n] - expected[n]));
     return worst;
 }
 

@@ -1,4 +1,4 @@
-/* track.c: video.
+/* optional/video.c: video.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -200,7 +200,8 @@ static void the_filter_is_the_papers(void)
         missed = n == 15 ? seconds : 0;
         time += 40 + (uint32_t)n % 3;
         TEST_ASSERT_EQUAL_INT(EDML_OK, run(time));
-        const float rest_at = track.joint[EDML_NECK_BASE].image.at.x - other.joint[EDML_NECK_BASE].image.at.x;
+        const float rest_at = track.joint[EDML_NECK_BASE].image.at.x -
+                              other.joint[EDML_NECK_BASE].image.at.x;
         const float wrist_at = track.joint[EDML_L_WRIST].image.at.x - other.joint[EDML_L_WRIST].image.at.x;
         TEST_ASSERT_FLOAT_WITHIN(0.01F, (float)rest.at, rest_at);
         TEST_ASSERT_FLOAT_WITHIN(0.01F, (float)wrist.at, wrist_at);
@@ -511,11 +512,16 @@ static void null_pointers(void)
     const edml_model *model = &edml_fconn_f32;
     start();
     see_turned(0);
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(NULL, &track, in, 0, model, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, NULL, in, 0, model, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, NULL, 0, model, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, in, 0, NULL, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_track_lift(&pose, &track, in, 0, model, NULL, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
+                          edml_track_lift(NULL, &track, in, 0, model, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
+                          edml_track_lift(&pose, NULL, in, 0, model, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
+                          edml_track_lift(&pose, &track, NULL, 0, model, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
+                          edml_track_lift(&pose, &track, in, 0, NULL, &work, sizeof work));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
+                          edml_track_lift(&pose, &track, in, 0, model, NULL, sizeof work));
     TEST_ASSERT_EQUAL_INT(0, track.started);
 }
 
