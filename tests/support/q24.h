@@ -1,5 +1,4 @@
-/* The fixed-point stages under the names and types of the float ones, so that a test of either is one
- * text: tests are compiled a second time with -DEDML_TEST_Q24.
+/* Conversions to and from fixed point, and the fixed-point stages with the types of the float ones.
  *
  * Numbers are rounded on their way in; keypoints out of range become the ends of it, as a saturating
  * conversion makes them.  Work memory is the wrappers' own; the one that is passed only must not be NULL.
@@ -45,27 +44,5 @@ edml_status q24_quality(float *quality, const edml_pose *pose, const edml_keypoi
 edml_status q24_joint_limits(int *violations, const edml_pose *pose);
 edml_status q24_reflect_by_joint_limits(int *fewer, edml_pose *pose);
 edml_status q24_stand(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_point up);
-
-#ifdef EDML_TEST_Q24
-#define edml_edm q24_edm
-#define edml_predict q24_predict
-#define edml_jacobi q24_jacobi
-#define edml_mds q24_mds
-#define edml_refine q24_refine
-#define edml_stress q24_stress
-#define edml_mirror q24_mirror
-#define edml_orient q24_orient
-#define edml_fuse q24_fuse
-#define edml_lift q24_lift
-#define edml_adapt q24_adapt
-#define edml_place q24_place
-#define edml_place_sweep q24_place_sweep
-#define edml_fit_body q24_fit_body
-#define edml_quality q24_quality
-#define edml_stand q24_stand
-#define edml_joint_limits q24_joint_limits
-#define edml_reflect_by_joint_limits q24_reflect_by_joint_limits
-#define edml_fconn_f32 edml_fconn_w16
-#endif
 
 #endif

@@ -4,7 +4,7 @@
  */
 #include <stdio.h>
 
-#include "helpers.h"
+#include "as_float.h"
 
 #define CHAIN 0.902F /* from head to ankle, relative to the standing height: docs/body.md */
 #define ANKLE 0.07F  /* metres above the floor */

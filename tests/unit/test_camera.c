@@ -4,7 +4,7 @@
  */
 #include <stdio.h>
 
-#include "helpers.h"
+#include "as_float.h"
 
 static edml_work work;
 static edml_point person[EDML_JOINTS]; /* in the camera's axes, origin at its centre */

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "helpers.h"
+#include "as_float.h"
 #include "network/model.h"
 
 static edml_point person[EDML_JOINTS], x[EDML_JOINTS], y[EDML_JOINTS];

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: MIT
  */
-#include "helpers.h"
+#include "as_float.h"
 
 enum { N = EDML_JOINTS };
 

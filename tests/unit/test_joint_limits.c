@@ -4,7 +4,7 @@
  */
 #include <stdio.h>
 
-#include "helpers.h"
+#include "as_float.h"
 
 enum { ALL_BONES = 9, PEOPLE = 500 };
 

@@ -4,7 +4,7 @@
  */
 #include <stdio.h>
 
-#include "helpers.h"
+#include "as_float.h"
 
 static edml_work work;
 static edml_point x[EDML_JOINTS], y[EDML_JOINTS];

@@ -4,7 +4,7 @@
  */
 #include <stdio.h>
 
-#include "helpers.h"
+#include "as_float.h"
 
 static edml_point person[EDML_JOINTS], x[EDML_JOINTS], y[EDML_JOINTS];
 static edml_keypoint in[EDML_JOINTS];

@@ -5,7 +5,7 @@
  */
 #include <stdio.h>
 
-#include "helpers.h"
+#include "as_float.h"
 #include "vectors.h"
 
 static edml_work work;
