@@ -466,21 +466,6 @@ static void no_upwards_is_refused(void)
     TEST_ASSERT_EQUAL_MEMORY(untouched, stood, sizeof stood);
 }
 
-static void null_pointers_are_refused(void)
-{
-    average_human();
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_fit_body(NULL, &body));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_fit_body(&pose, NULL));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_stand(NULL, &pose, point_of(0, -1, 0)));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_stand(stood, NULL, point_of(0, -1, 0)));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_uncertainty(NULL, ALL_SEEN));
-    float quality = 77;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_quality(NULL, &pose, in));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_quality(&quality, NULL, in));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_quality(&quality, &pose, NULL));
-    TEST_ASSERT_TRUE(quality == 77);
-}
-
 /* ---- Uncertainty ---------------------------------------------------------------------------------- */
 
 static unsigned bits(unsigned mask)
@@ -560,7 +545,6 @@ int main(void)
     RUN_TEST(the_length_of_upwards_does_not_matter);
     RUN_TEST(pitch_keeps_right_and_roll_is_undone);
     RUN_TEST(no_upwards_is_refused);
-    RUN_TEST(null_pointers_are_refused);
     RUN_TEST(every_pattern_has_errors_or_is_refused);
     RUN_TEST(what_is_not_seen_is_less_certain);
     return UNITY_END();

@@ -346,17 +346,6 @@ static void someone_usual(uint32_t seed)
     someone_somewhere(&r, 3, 6);
 }
 
-static void null_pointers(void)
-{
-    someone_usual(81);
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(NULL, &pose, in, &camera, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, NULL, in, &camera, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
-                          edml_place(&placement, &pose, NULL, &camera, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, in, NULL, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_place(&placement, &pose, in, &camera, NULL, sizeof work));
-}
-
 static void what_is_no_camera(void)
 {
     static const float wrong[] = {0, -1145, NAN, INFINITY, -INFINITY};
@@ -480,7 +469,6 @@ int main(void)
     RUN_TEST(doubtful_joints_count_for_less);
     RUN_TEST(the_sweep_finds_a_focal_length_of_its_own);
     RUN_TEST(the_sweep_needs_an_image);
-    RUN_TEST(null_pointers);
     RUN_TEST(what_is_no_camera);
     RUN_TEST(a_camera_that_cannot_have_seen_that);
     RUN_TEST(joints_that_are_no_numbers);

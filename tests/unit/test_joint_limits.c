@@ -231,14 +231,6 @@ static void what_is_no_pose_is_refused_and_stays(void)
         (&pose.joint[0].x)[n / 6] = bad[n % 6];
         check_no_pose();
     }
-    int count = 77;
-    before = pose;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_joint_limits(&count, NULL));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_joint_limits(NULL, &pose));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_reflect_by_joint_limits(&count, NULL));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_reflect_by_joint_limits(NULL, &pose));
-    TEST_ASSERT_EQUAL_INT(77, count);
-    TEST_ASSERT_SAME_BYTES(before, pose);
 }
 
 #ifndef EDML_TEST_Q24

@@ -507,24 +507,6 @@ static void an_absurd_frame_is_got_over(void)
     }
 }
 
-static void null_pointers(void)
-{
-    const edml_model *model = &edml_fconn_f32;
-    start();
-    see_turned(0);
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
-                          edml_track_lift(NULL, &track, in, 0, model, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
-                          edml_track_lift(&pose, NULL, in, 0, model, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
-                          edml_track_lift(&pose, &track, NULL, 0, model, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
-                          edml_track_lift(&pose, &track, in, 0, NULL, &work, sizeof work));
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
-                          edml_track_lift(&pose, &track, in, 0, model, NULL, sizeof work));
-    TEST_ASSERT_EQUAL_INT(0, track.started);
-}
-
 static void a_track_that_was_not_started_and_bad_settings_are_refused(void)
 {
     static const edml_smoothing bad[] = {{0, 1}, {-1, 1}, {NAN, 1}, {1, -1}, {1, NAN}, {1, INFINITY}};
@@ -571,7 +553,6 @@ int main(void)
     RUN_TEST(the_clock_may_run_over_its_end);
     RUN_TEST(bad_frames_leave_no_trace);
     RUN_TEST(an_absurd_frame_is_got_over);
-    RUN_TEST(null_pointers);
     RUN_TEST(a_track_that_was_not_started_and_bad_settings_are_refused);
     return UNITY_END();
 }
