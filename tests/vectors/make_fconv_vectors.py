@@ -1,4 +1,4 @@
-"""Writes fconv_vectors.h: what tools/reference.py and tools/quantise.py make of the small network in
+"""Writes fconv_vectors.h: what the oracle and the quantiser make of the small network in
 tests/support/fconv_tiny.h.
 
     make_fconv_vectors.py [FILE]
