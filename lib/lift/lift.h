@@ -20,7 +20,7 @@ edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], cons
     if (pose == NULL || in == NULL || model == NULL || memory == NULL) return EDML_ERR_ARGUMENT;
     edml_status status = edml__check_model(model, WORK_BYTES(model), memory, work_bytes);
     if (status != EDML_OK) return status;
-    edml_work *const work = memory;
+    edml_work *const work = (edml_work *)memory; /* tests/overflow compiles this as C++ */
     real *const edm = work->scratch.layer[0];
     const uint16_t seen = seen_joints(in);
     status = image_distances(edm, in, seen, model->fewest_joints, PARAM(model->max_aspect),
@@ -32,7 +32,7 @@ edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], cons
     edml_refine(work->x, work->distance, (edml_objective)model->objective, model->refine_steps, work);
     const real residual = SQRT(edml_stress(work->x, work->distance, EDML_STRESS_RAW));
     const real margin = edml_mirror(work->x, model);
-    status = edml_orient(work->x, in, seen);
+    status = orient_points(work->x, in, seen);
     if (status != EDML_OK) return status;
     edml_fuse(work->x, in, seen, model);
     for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j] = api_point(work->x[j]);

@@ -1,14 +1,15 @@
 """The same bits everywhere: compilers, levels of optimisation, processors."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from builds import need, run_firmware
+from builds import need, need_cross_compiler, run_firmware
 
 from reports.targets import INCLUDES, ROOT, SOURCES, TARGETS, library_flags, run
 
-PROGRAM = ROOT / "tests" / "bits.c"
+PROGRAM = ROOT / "tests" / "targets" / "bits.c"
 EXPECTED = (ROOT / "tests" / "bits.txt").read_text()  # of gcc -O0 on x86-64; by make_tables
 
 
@@ -30,6 +31,42 @@ def test_every_compiler_and_level_gives_the_same_bits(
     flags = [*library_flags(), *options.split(), *INCLUDES]
     run(compiler, *flags, PROGRAM, *SOURCES, "-lm", "-o", program)
     assert run(program) == EXPECTED
+
+
+@pytest.mark.parametrize("command", ["gcc", "gcc -ffp-contract=fast", "clang"])
+def test_no_flag_is_needed_for_these_bits(command: str, tmp_path: Path) -> None:
+    """As GNU C, which fuses products and sums where the processor can: the sources forbid it."""
+    compiler, *options = command.split()
+    need(compiler)
+    flags = ["-std=gnu11", "-O2", "-march=native", *options, *INCLUDES]
+    run(compiler, *flags, PROGRAM, *SOURCES, "-lm", "-o", tmp_path / "bits")
+    assert run(tmp_path / "bits") == EXPECTED
+
+
+FUSED = re.compile(r"\b(vfn?m[as]|fn?m(add|sub))[.\w]*\b")
+
+
+def fused_instructions(source: Path, name: str, item: Path) -> list[str]:
+    """Fused multiplications and additions in a source's object code for a core."""
+    target = TARGETS[name]
+    need_cross_compiler(target)
+    system = target.system
+    flags = [*system.flags, *target.flags, "-std=gnu11", "-O2", *INCLUDES]
+    run(f"{system.cross}gcc", *flags, "-c", source, "-o", item)
+    return FUSED.findall(run(f"{system.cross}objdump", "-d", item))
+
+
+def test_no_instruction_is_fused_on_a_cortex_m4f(tmp_path: Path) -> None:
+    floats = [source for source in SOURCES if "float" in source.read_text() or "f32" in source.stem]
+    assert len(floats) > 8
+    for source in floats:
+        assert fused_instructions(source, "cortex-m4f", tmp_path / "x.o") == [], source
+
+
+def test_the_search_for_fused_instructions_finds_them(tmp_path: Path) -> None:
+    program = tmp_path / "fused.c"
+    program.write_text("float f(float a, float b, float c) { return a * b + c; }\n", "utf-8")
+    assert fused_instructions(program, "cortex-m4f", tmp_path / "x.o") != []
 
 
 @pytest.mark.parametrize("name", TARGETS)

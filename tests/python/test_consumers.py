@@ -76,8 +76,10 @@ def test_pkg_config_refuses_newer_versions(installed: Path) -> None:
         run("pkg-config", "--libs", "edmlift >= 99", env=paths)
 
 
-def test_only_the_public_header_is_installed(installed: Path) -> None:
-    assert [file.name for file in (installed / "include").rglob("*")] == ["edmlift.h"]
+def test_the_public_headers_are_installed_and_no_others(installed: Path) -> None:
+    found = {file.relative_to(installed) for file in (installed / "include").rglob("*.*")}
+    assert found == {file.relative_to(ROOT) for file in (ROOT / "include").rglob("*.h")}
+    assert Path("include/edmlift.h") in found and Path("include/edmlift/camera.h") in found
 
 
 @pytest.mark.parametrize("way", ["subdirectory", "fetch"])
@@ -92,7 +94,7 @@ def test_in_another_cmake_project(way: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("cc", ["gcc", "clang"])
 def test_flags_that_let_nan_through_do_not_compile(cc: str, flag: str, tmp_path: Path) -> None:
     need(cc)
-    source, out = ROOT / "lib" / "pipeline_f32.c", tmp_path / "x.o"
+    source, out = ROOT / "lib" / "lift" / "lift_f32.c", tmp_path / "x.o"
     with pytest.raises(ToolError, match="compile it without -ffast-math"):
         run(cc, "-std=c99", flag, "-w", *INCLUDES, "-c", source, "-o", out)
 
@@ -114,11 +116,12 @@ def test_vendored_with_a_makefile(tmp_path: Path) -> None:
     "command",
     ["gcc -std=c99", "clang -std=c99", "g++ -std=c++11 -x c++", "clang++ -std=c++11 -x c++"],
 )
-def test_the_header_stands_alone_without_a_warning(command: str, tmp_path: Path) -> None:
+def test_the_headers_stand_alone_without_a_warning(command: str, tmp_path: Path) -> None:
     compiler, *options = command.split()
     need(compiler)
     program = tmp_path / "header.c"
-    program.write_text('#include "edmlift.h"\n#include "edmlift.h"\n')
+    headers = sorted((ROOT / "include").rglob("*.h"))
+    program.write_text("".join(f'#include "{header}"\n' for header in [*headers, *headers]))
     warnings = "-pedantic -Wall -Wextra -Wconversion -Wshadow -Werror".split()
     run(compiler, *options, *warnings, f"-I{ROOT / 'include'}", "-fsyntax-only", program)
 

@@ -105,10 +105,11 @@ def test_fconv_in_fixed_point_has_no_float_code(name: str, tmp_path: Path) -> No
     if name == "cortex-m0plus":  # its board is too small
         target = replace(target, flash=TARGETS["cortex-m3"].flash, ram=TARGETS["cortex-m3"].ram)
     need_core(target)
-    for fixed, model in ((True, "q7"), (False, "f32")):
+    for fixed, model in ((True, "w8"), (False, "f32")):
         options = [f"-DMODEL=edml_fconv_{model}", "-DFCONV", *(["-DFIXED"] if fixed else [])]
         image = tmp_path / f"{model}.elf"
-        build(ROOT / "tests/bench/smallest.c", target, "-Os", image, *options, library=SOURCES)
+        program = ROOT / "tests" / "targets" / "bench" / "smallest.c"
+        build(program, target, "-Os", image, *options, library=SOURCES)
         assert (float_code(image, target) == set()) == fixed
 
 

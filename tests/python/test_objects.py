@@ -28,7 +28,7 @@ def objects(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     out = tmp_path_factory.mktemp("objects")
     files = []
     for source in SOURCES:
-        files.append(out / f"{source.stem}.o")
+        files.append(out / f"{len(files)}_{source.stem}.o")
         run(*command, "-c", source, "-o", files[-1])
     return prefix, files
 

@@ -1,4 +1,4 @@
-"""tests/vectors.h is what make_vectors.py makes of the network in gen/ today."""
+"""tests/vectors/vectors.h is what make_vectors.py makes of the network in gen/ today."""
 
 import re
 import sys
@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-TESTS = Path(__file__).resolve().parents[1]
-WEIGHTS = TESTS.parent / "gen" / "fconn.npz"
-sys.path.insert(0, str(TESTS))
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "tests" / "vectors"
+WEIGHTS = ROOT / "gen" / "fconn.npz"
+sys.path.insert(0, str(FOLDER))
 
 import make_vectors  # noqa: E402
 
@@ -25,8 +26,8 @@ def made() -> str:
 
 def test_the_vectors_are_up_to_date(made: str) -> None:
     """Numbers, not bytes: eigenvectors of another LAPACK differ in the last digits."""
-    kept = (TESTS / "vectors.h").read_text("utf-8")
-    assert NUMBER.sub("#", kept) == NUMBER.sub("#", made), "run tests/make_vectors.py"
+    kept = (FOLDER / "vectors.h").read_text("utf-8")
+    assert NUMBER.sub("#", kept) == NUMBER.sub("#", made), "run tests/vectors/make_vectors.py"
     kept_numbers, made_numbers = (
         np.array([float(text) for text in NUMBER.findall(text)]) for text in (kept, made)
     )

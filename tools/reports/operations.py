@@ -2,7 +2,7 @@
 
     run.py reports.operations TEST.npz [--update docs/no-fpu.md]
 
-Every view of the protocol is lifted in numbers that watch themselves (tests/check), whose results
+Every view of the protocol is lifted in integers that watch themselves (tests/overflow), whose results
 must be the library's bit for bit.
 """
 
@@ -23,7 +23,7 @@ from edmlift.library import to_q16
 from reports import markdown
 from reports.targets import INCLUDES, SOURCES, ToolError, library_flags, object_name, run
 
-CHECK = ROOT / "tests" / "check"
+CHECK = ROOT / "tests" / "overflow"
 KINDS = {
     "sums": "sums, differences, halves",
     "products": "products",
@@ -33,7 +33,7 @@ KINDS = {
 
 
 def build(folder: Path) -> Path:
-    """tests/check/count.c with the library and the numbers that watch themselves."""
+    """tests/overflow/count.c with the library and the integers that watch themselves."""
     includes = [*INCLUDES, f"-I{CHECK}"]
     watched = [folder / f"{source.stem}.o" for source in CHECK.glob("*.cpp")]
     for item in watched:
@@ -49,7 +49,7 @@ def build(folder: Path) -> Path:
 
 
 def count(motion: Motion) -> dict[str, Any]:
-    """What tests/check/count.c prints of every view of the protocol."""
+    """What tests/overflow/count.c prints of every view of the protocol."""
     keypoints = np.concatenate([column.keypoints for column in views(motion.joints).values()])
     with tempfile.TemporaryDirectory() as name:
         program = build(Path(name))

@@ -34,7 +34,7 @@ from reports.targets import (
     run,
 )
 
-BENCH = ROOT / "tests" / "bench"
+BENCH = ROOT / "tests" / "targets" / "bench"
 README, COSTS = ROOT / "README.md", DOCS / "costs.md"
 LEVEL = "-Os"
 SLACK = 0.03  # of instructions
@@ -87,7 +87,7 @@ EXACT = COLUMNS[: COLUMNS.index("edm")]
 
 
 def flash_sizes(link_map: str) -> dict[str, int]:
-    """Bytes of code, helpers and weights by the linker's map of tests/bench/smallest.c."""
+    """Bytes of code, helpers and weights by the linker's map of tests/targets/bench/smallest.c."""
     library = {object_name(source) for source in SOURCES}
     sizes = {"code": 0, "helpers": 0, "weights": 0}
     placed = link_map.partition("\nLinker script and memory map\n")[2]

@@ -309,7 +309,7 @@ edml_status edml_place(edml_placement *out, const edml_pose *pose, const edml_ke
         return EDML_ERR_ARGUMENT;
     if (((uintptr_t)memory & 3) != 0) return EDML_ERR_ARGUMENT;
     if (work_bytes < sizeof(edml_work)) return EDML_ERR_WORK_TOO_SMALL;
-    edml_work *const work = memory;
+    edml_work *const work = (edml_work *)memory; /* tests/overflow compiles this as C++ */
     scene v;
     v.joint = work->scratch.step[0];
     v.ray = work->scratch.step[1];

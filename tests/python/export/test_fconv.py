@@ -18,7 +18,7 @@ from export.quantise import METRE
 from model import reference
 from model.fconv_weights import NAMES, STAGES, fold, round_weights, unit_of
 
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path.insert(0, str(ROOT / "tests" / "vectors"))
 
 import make_fconv_vectors  # noqa: E402
 
@@ -336,5 +336,5 @@ def test_the_name_follows_the_kind(tmp_path, monkeypatch):
 
 
 def test_its_vectors_are_up_to_date():
-    kept = (ROOT / "tests" / "fconv_vectors.h").read_text("utf-8")
-    assert kept == make_fconv_vectors.vectors(), "run tests/make_fconv_vectors.py"
+    kept = (ROOT / "tests" / "vectors" / "fconv_vectors.h").read_text("utf-8")
+    assert kept == make_fconv_vectors.vectors(), "run tests/vectors/make_fconv_vectors.py"

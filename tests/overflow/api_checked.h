@@ -1,0 +1,135 @@
+/* Takes the place of lib/api/api_q.h: the stage texts of lib/ in integers that watch themselves.  Each text
+ * that says edml_lift defines edml_lift_checked here.
+ *
+ * Poses and points that are given or returned stay plain integers; what is computed with them does not.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_API_H
+#define EDML_API_H
+
+#include "real_checked.h"
+
+extern "C" {
+#include "network/model.h"
+#include "optional/joint_limit_maps.h"
+}
+
+struct point {
+    real x, y, z;
+};
+typedef real pixels;
+typedef int16_t confidence;
+typedef int32_t api_real;
+
+#define TO_API(a) (((a) + 128).value() >> 8)
+#define FROM_API(a) (real(a) * 256)
+#define IS_FINITE(a) checked_range(a)
+#define MIN_MAGNITUDE (256 << 16)
+#define PARAM(number) real((number).q24)
+#define WORK_BYTES(model) ((model)->work_bytes_q != 0 ? sizeof(edml_work) : 0)
+#define RUN_NETWORK(distance, edm, model, work) checked_network(distance, edm, model)
+
+static inline bool checked_range(int32_t a) { return -(1 << 29) < a && a < 1 << 29; }
+static inline bool checked_range(real a) { return checked_range(a.value()); }
+template <typename T> bool checked_range(T) = delete; /* nothing that would be narrowed */
+template <> inline bool checked_range(int16_t a) { return checked_range(int32_t{a}); }
+
+/* The network has integers of its own, and the exporter proves their ranges. */
+static inline void checked_network(real *distance, const real *edm, const edml_model *model)
+{
+    static edml_fconv_work_q work;
+    int32_t values[EDML_PAIRS];
+    for (int k = 0; k < EDML_PAIRS; k++) values[k] = edm[k].value();
+    model->predict_q(values, values, model, &work.lift.scratch);
+    for (int k = 0; k < EDML_PAIRS; k++) distance[k] = values[k];
+}
+
+/* ---- Types with such numbers ---- */
+
+struct edml_keypoint_checked {
+    pixels x, y;
+    confidence c;
+};
+
+struct edml_camera_checked {
+    pixels fx, fy, cx, cy;
+};
+
+struct edml_placement_checked {
+    edml_point_q joint[EDML_JOINTS], rotation[3], translation;
+    pixels reprojection;
+    uint16_t steps;
+};
+
+struct edml_matrix_checked {
+    real at[EDML_JOINTS][EDML_JOINTS];
+};
+
+struct edml_jacobi_rotation_checked {
+    real sine;
+    uint8_t p, q;
+};
+
+struct edml_eigen_checked {
+    real value[EDML_JOINTS], vector[EDML_JOINTS][EDML_JOINTS];
+    edml_jacobi_rotation_checked rotation[640];
+};
+
+struct edml_work_checked {
+    real distance[EDML_PAIRS], matrix[EDML_JOINTS][EDML_JOINTS];
+    point x[EDML_JOINTS];
+    struct { /* a union in edml_work_q */
+        real layer[2][EDML_MAX_UNITS];
+        edml_jacobi_rotation_checked rotation[320];
+        point step[4][EDML_JOINTS];
+    } scratch;
+};
+
+/* ---- Names, as in api_q.h ---- */
+
+#define edml_keypoint edml_keypoint_checked
+#define edml_point edml_point_q
+#define edml_pose edml_pose_q
+#define edml_work edml_work_checked
+#define edml_camera edml_camera_checked
+#define edml_placement edml_placement_checked
+#define edml_body edml_body_q
+#define edml_matrix edml_matrix_checked
+#define edml_eigen edml_eigen_checked
+#define edml_jacobi_rotation edml_jacobi_rotation_checked
+
+#define edml_adapt edml_adapt_checked
+#define edml_edm edml_edm_checked
+#define edml_jacobi edml_jacobi_checked
+#define edml_mds edml_mds_checked
+#define edml_refine edml_refine_checked
+#define edml_stress edml_stress_checked
+#define edml_mirror edml_mirror_checked
+#define edml_orient edml_orient_checked
+#define edml_fuse edml_fuse_checked
+#define edml_lift edml_lift_checked
+#define edml_place edml_place_checked
+#define edml_place_sweep edml_place_sweep_checked
+#define edml_fit_body edml_fit_body_checked
+#define edml_quality edml_quality_checked
+#define edml_stand edml_stand_checked
+#define edml_joint_limits edml_joint_limits_checked
+#define edml_reflect_by_joint_limits edml_reflect_by_joint_limits_checked
+
+/* ---- Ways in ---- */
+
+/* Keypoints as these texts have them. */
+struct checked_keypoints {
+    edml_keypoint_checked joint[33]; /* as many as any format has */
+    checked_keypoints(const edml_keypoint_q in[], int count)
+    {
+        for (int n = 0; n < count; n++) {
+            joint[n].x = in[n].x;
+            joint[n].y = in[n].y;
+            joint[n].c = in[n].c;
+        }
+    }
+};
+
+#endif

@@ -1,0 +1,65 @@
+/* The fixed-point functions in integers that watch themselves.  Results are those of the library, bit for
+ * bit.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_OVERFLOW_H
+#define EDML_OVERFLOW_H
+
+#include "edmlift/body.h"
+#include "edmlift/camera.h"
+#include "edmlift/stages.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Operations since the tally was last zeroed. */
+typedef struct {
+    long sums;      /* + - * / of integers */
+    long products;  /* MUL */
+    long ratios;    /* DIV */
+    long roots;     /* SQRT, HYPOT, NORM */
+    long overflows; /* results, or numbers given to DIV and SQRT, that do not fit */
+} checked_tally;
+
+/* edml_lift_q(), and what it took. */
+edml_status checked_lift(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS], const edml_model *model,
+                         checked_tally *tally);
+
+/* What follows the network in a lift, of any distances: 0 to 3 m, Q24. */
+void checked_points(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
+                    const edml_keypoint_q in[EDML_JOINTS], const edml_model *model, checked_tally *tally);
+
+/* edml_refine_q() of the points of checked_points() before they are reflected and rotated. */
+int checked_refine(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS], edml_objective objective,
+                   int steps, checked_tally *tally);
+
+/* edml_adapt_q(), and what it took. */
+void checked_adapt(edml_keypoint_q out[EDML_JOINTS], const edml_keypoint_q in[], const edml_format *format,
+                   checked_tally *tally);
+
+/* edml_place_q() and edml_place_sweep_q(), and what they took. */
+edml_status checked_place(edml_placement_q *placement, const edml_pose_q *pose,
+                          const edml_keypoint_q in[EDML_JOINTS], const edml_camera_q *camera,
+                          checked_tally *tally);
+edml_status checked_place_sweep(edml_placement_q *placement, edml_camera_q *camera, const edml_pose_q *pose,
+                                const edml_keypoint_q in[EDML_JOINTS], int32_t width, int32_t height,
+                                checked_tally *tally);
+
+/* edml_fit_body_q(), edml_quality_q() and edml_stand_q(), and what they took. */
+edml_status checked_fit_body(edml_pose_q *pose, const edml_body_q *body, checked_tally *tally);
+edml_status checked_quality(int32_t *quality, const edml_pose_q *pose,
+                            const edml_keypoint_q in[EDML_JOINTS], checked_tally *tally);
+edml_status checked_stand(edml_point_q out[EDML_JOINTS], const edml_pose_q *pose, edml_point_q up,
+                          checked_tally *tally);
+
+/* edml_joint_limits_q() and edml_reflect_by_joint_limits_q(), and what they took. */
+edml_status checked_joint_limits(int *violations, const edml_pose_q *pose, checked_tally *tally);
+edml_status checked_reflect_by_joint_limits(int *fewer, edml_pose_q *pose, checked_tally *tally);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

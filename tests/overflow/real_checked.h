@@ -1,0 +1,73 @@
+/* The words of lib/number/real_q24.h in integers that watch themselves.  Results are those of real_q24.h,
+ * bit for bit.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_REAL_CHECKED_H
+#define EDML_REAL_CHECKED_H
+
+#include "checked.h"
+
+extern "C" {
+#include "number/fixed.h"
+}
+
+typedef checked<int32_t> real;
+typedef checked<int64_t> wide;
+
+#define REAL(constant) real::from((__int128)((constant) * 16777216.0 + 0.5))
+#define Q12(a) (real(a) * 4096)
+#define EPSILON 8
+#define MUL(a, b) checked_mul(a, b)
+#define DIV(a, b) checked_div(a, b)
+#define SQRT(a) checked_sqrt(a)
+#define HYPOT(a, b) checked_norm(a, b, 0)
+#define NORM(a, b, c) checked_norm(a, b, c)
+#define ABS(a) ((a) < 0 ? -(a) : (a))
+#define TRUNCATE(sum) real::from((sum).value())
+#define PRODUCT(a, b) checked_product(a, b)
+#define SATURATE(sum) checked_saturate(sum)
+#define IS_NEAR(square) ((square) < real(64 << 24))
+#define WIDE_MAX wide::from(INT64_MAX)
+
+static inline real checked_mul(real a, real b)
+{
+    tally.products++;
+    return real::from(((__int128)a.value() * b.value() + (1 << 23)) >> 24);
+}
+
+static inline wide checked_product(real a, real b)
+{
+    tally.products++;
+    return wide::from(((__int128)a.value() * b.value()) >> 8);
+}
+
+static inline real checked_saturate(wide sum)
+{
+    const __int128 limit = (__int128)64 << 40, exact = sum.value();
+    return real::from(((exact > limit ? limit : exact < -limit ? -limit : exact) + (1 << 15)) >> 16);
+}
+
+static inline real checked_div(real a, real b)
+{
+    tally.ratios++;
+    const int64_t n = (int64_t)a.value() * (1 << 24), d = b.value();
+    if (d == 0 || n / d >= INT32_MAX || n / d <= -INT32_MAX) return tally.overflows++, real(0);
+    return real::from(edml__divide_q24(a.value(), b.value()));
+}
+
+static inline real checked_sqrt(real a)
+{
+    tally.roots++;
+    return a > 0 ? real::from(edml__root((uint64_t)a.value() << 24)) : real(0);
+}
+
+static inline real checked_norm(real a, real b, real c)
+{
+    tally.roots++;
+    const __int128 squares = (__int128)a.value() * a.value() + (__int128)b.value() * b.value() +
+                             (__int128)c.value() * c.value(); /* < 2^64 */
+    return real::from(edml__root((uint64_t)squares));
+}
+
+#endif

@@ -1,0 +1,416 @@
+/* The fixed-point stages in integers that watch themselves: nothing overflows, whatever was accepted, and
+ * results are those of the library bit for bit.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <stdio.h>
+
+#include "helpers.h"
+#include "overflow.h"
+
+enum { ROOM = 1 << 29, THREE_METRES = 3 << 24 };
+
+static edml_work_q work;
+static edml_keypoint_q in[EDML_JOINTS];
+static const edml_model *const models[] = {&edml_fconn_w16, &edml_fconn_w8};
+
+static checked_tally worst, total;
+static long lifts;
+
+static void keep_worst(const checked_tally *taken)
+{
+    if (taken->sums > worst.sums) worst.sums = taken->sums;
+    if (taken->products > worst.products) worst.products = taken->products;
+    if (taken->ratios > worst.ratios) worst.ratios = taken->ratios;
+    if (taken->roots > worst.roots) worst.roots = taken->roots;
+    total.sums += taken->sums;
+    total.products += taken->products;
+    total.ratios += taken->ratios;
+    total.roots += taken->roots;
+    lifts++;
+}
+
+static int lift_both(const edml_model *model)
+{
+    edml_pose_q expected, found;
+    checked_tally taken;
+    memset(&expected, 0, sizeof expected);
+    memset(&found, 0, sizeof found);
+    const edml_status status = edml_lift_q(&expected, in, model, &work, sizeof work);
+    TEST_ASSERT_EQUAL_INT(status, checked_lift(&found, in, model, &taken));
+    TEST_ASSERT_SAME_BYTES(expected, found);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    if (status == EDML_OK) keep_worst(&taken);
+    return status == EDML_OK;
+}
+
+/* ---- Lifts --------------------------------------------------------------------------------------- */
+
+static void people(void)
+{
+    rng r = rng_seed(81);
+    for (int n = 0; n < 2000; n++) {
+        edml_point x[EDML_JOINTS];
+        edml_keypoint image[EDML_JOINTS];
+        random_human(&r, x);
+        photograph(image, x);
+        for (int j = 0; j < EDML_JOINTS; j++)
+            if (n % 3 == 0 && rng_bits(&r) % 8 == 0) image[j].c = 0;
+        to_q16(in, image);
+        lift_both(models[n % 2]);
+    }
+    printf("operations a lift, mean (largest): sums %ld (%ld), products %ld (%ld), ratios %ld (%ld), "
+           "roots %ld (%ld)\n",
+           total.sums / lifts, worst.sums, total.products / lifts, worst.products, total.ratios / lifts,
+           worst.ratios, total.roots / lifts, worst.roots);
+}
+
+/* Anything of any size; about half is refused. */
+static void scattered_joints(void)
+{
+    rng r = rng_seed(82);
+    int lifted = 0;
+    for (int n = 0; n < 20000; n++) {
+        const int shift = 3 + n % 17;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x = (int32_t)(rng_bits(&r) >> shift);
+            in[j].y = (int32_t)(rng_bits(&r) >> shift);
+            in[j].c = (int16_t)(n % 5 == 0 ? rng_bits(&r) % 4 : 1);
+        }
+        lifted += lift_both(models[n % 2]);
+    }
+    TEST_ASSERT_TRUE(lifted > 5000);
+}
+
+/* Every joint at an edge or a corner of the widest box there may be, here and at the ends of the
+ * range: the largest moments, and the largest differences. */
+static void corners_of_the_widest_boxes(void)
+{
+    rng r = rng_seed(83);
+    int lifted = 0;
+    for (int n = 0; n < 20000; n++) {
+        const int32_t half = n % 2 ? (ROOM - 1) / 3 : 40 << 16;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x = rng_bits(&r) & 1 << 16 ? 3 * half : -3 * half;
+            in[j].y = rng_bits(&r) & 1 << 16 ? half : -half;
+            if (rng_bits(&r) >> 29 == 0) in[j].x = in[j].y = 0;
+            in[j].c = 1;
+        }
+        lifted += lift_both(models[n / 2 % 2]);
+    }
+    TEST_ASSERT_TRUE(lifted > 5000);
+}
+
+static void boxes_at_the_ends_of_the_range(void)
+{
+    rng r = rng_seed(84);
+    for (int n = 0; n < 20000; n++) {
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            const int32_t ends[] = {ROOM - 1, 1 - ROOM, INT32_MAX, INT32_MIN, 0, 1, -1, 1 << 16};
+            const uint32_t choice = n % 4 ? 2 : 8;
+            in[j].x = ends[rng_bits(&r) % choice] / (1 + n % 3);
+            in[j].y = ends[(rng_bits(&r) >> 8) % choice];
+            in[j].c = 1;
+        }
+        lift_both(models[n % 2]);
+    }
+}
+
+/* ---- Distances that no network need give --------------------------------------------------------- */
+
+static void check_distances(const int32_t distance[EDML_PAIRS])
+{
+    int32_t x[EDML_JOINTS][3];
+    checked_tally taken;
+    checked_points(x, distance, in, &edml_fconn_w16, &taken);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    for (int objective = EDML_STRESS_SQUARE; objective <= EDML_STRESS_EQ2; objective++) {
+        checked_refine(x, distance, (edml_objective)objective, 6, &taken);
+        TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    }
+}
+
+static void an_image(rng *r)
+{
+    edml_point x[EDML_JOINTS];
+    edml_keypoint image[EDML_JOINTS];
+    random_human(r, x);
+    photograph(image, x);
+    to_q16(in, image);
+}
+
+static void any_distances_up_to_three_metres(void)
+{
+    rng r = rng_seed(85);
+    int32_t distance[EDML_PAIRS];
+    for (int n = 0; n < 600; n++) {
+        an_image(&r);
+        const int shift = n % 20;
+        for (int k = 0; k < EDML_PAIRS; k++)
+            distance[k] = (int32_t)(rng_bits(&r) % (THREE_METRES + 1)) >> shift;
+        check_distances(distance);
+    }
+}
+
+/* Zero or three metres: the matrices of the largest norm. */
+static void distances_of_nothing_and_three_metres(void)
+{
+    rng r = rng_seed(86);
+    int32_t distance[EDML_PAIRS];
+    for (int n = 0; n < 600; n++) {
+        an_image(&r);
+        for (int k = 0; k < EDML_PAIRS; k++)
+            distance[k] = rng_bits(&r) % 8 < (uint32_t)(n % 9) ? THREE_METRES : 0;
+        check_distances(distance);
+    }
+}
+
+/* Two, three or four crowds: as many joints as possible in each of a few places. */
+static void crowds_three_metres_apart(void)
+{
+    rng r = rng_seed(87);
+    int32_t distance[EDML_PAIRS];
+    for (int n = 0; n < 300; n++) {
+        uint32_t place[EDML_JOINTS];
+        an_image(&r);
+        for (int j = 0; j < EDML_JOINTS; j++) place[j] = rng_bits(&r) % (uint32_t)(2 + n % 3);
+        for (int i = 0; i < EDML_JOINTS; i++)
+            for (int j = i + 1; j < EDML_JOINTS; j++)
+                distance[EDML_PAIR(i, j)] = place[i] == place[j] ? 0 : THREE_METRES;
+        check_distances(distance);
+    }
+}
+
+/* ---- Placements ---------------------------------------------------------------------------------- */
+
+static int place_both(const edml_pose *pose, const edml_camera *by)
+{
+    edml_placement_q expected, found;
+    edml_pose_q given;
+    checked_tally taken;
+    const edml_camera_q camera = camera_to_q16(*by);
+    pose_to_q16(&given, pose);
+    memset(&expected, 0, sizeof expected);
+    memset(&found, 0, sizeof found);
+    const edml_status status = edml_place_q(&expected, &given, in, &camera, &work, sizeof work);
+    TEST_ASSERT_EQUAL_INT(status, checked_place(&found, &given, in, &camera, &taken));
+    TEST_ASSERT_SAME_BYTES(expected, found);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    return status == EDML_OK;
+}
+
+static float magnitude(rng *r, float least, float most)
+{
+    return least * powf(most / least, uniform(r, 0, 1));
+}
+
+/* Someone before a camera of any kind, near or far; or a pose and an image that are not the same. */
+static void random_scene(rng *r, int n, edml_pose *pose, edml_camera *by)
+{
+    edml_keypoint image[EDML_JOINTS];
+    edml_point x[EDML_JOINTS];
+    const float depth = magnitude(r, 1, 150), noise = n % 4 < 2 ? 0 : magnitude(r, 0.1F, 100);
+    by->fx = magnitude(r, 100, 6000);
+    by->fy = by->fx * uniform(r, 0.5F, 2);
+    by->cx = uniform(r, -1000, 3000);
+    by->cy = uniform(r, -1000, 3000);
+    random_human(r, x);
+    rotate_points(x, random_rotation(r), x);
+    memcpy(pose->joint, x, sizeof x);
+    if (n % 8 == 7) random_points(r, pose->joint, magnitude(r, 0.01F, 4));
+    if (n % 8 == 5) pose->joint[rng_bits(r) % EDML_JOINTS].z = uniform(r, -4, 4);
+    rotate_points(pose->joint, random_rotation(r), pose->joint);
+    const float across = uniform(r, -1, 1), down = uniform(r, -1, 1);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const float z = x[j].z + depth > 0.1F ? x[j].z + depth : 0.1F;
+        image[j].x = by->cx + by->fx * (x[j].x + across * depth) / z + noise * gauss(r);
+        image[j].y = by->cy + by->fy * (x[j].y + down * depth) / z + noise * gauss(r);
+        image[j].c = n % 3 == 0 ? 1 : uniform(r, -0.2F, 1) * (rng_bits(r) % 8 == 0 ? 0.002F : 1);
+    }
+    to_q16(in, image);
+}
+
+static void placements(void)
+{
+    rng r = rng_seed(86);
+    int placed = 0;
+    for (int n = 0; n < 5000; n++) {
+        edml_pose pose;
+        edml_camera by;
+        random_scene(&r, n, &pose, &by);
+        placed += place_both(&pose, &by);
+    }
+    printf("check: %d of 5000 placed\n", placed);
+    TEST_ASSERT_TRUE(placed > 2500);
+}
+
+/* Anything at all, in an image of a quarter pixel or of the whole range. */
+static void placements_of_noise(void)
+{
+    rng r = rng_seed(87);
+    for (int n = 0; n < 5000; n++) {
+        const int shift = (int)(rng_bits(&r) % 16);
+        edml_pose pose;
+        random_points(&r, pose.joint, magnitude(&r, 0.01F, 4));
+        const edml_camera by = {magnitude(&r, 0.01F, 8191), magnitude(&r, 0.01F, 8191), 0, 0};
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x = (int32_t)rng_bits(&r) >> shift;
+            in[j].y = (int32_t)rng_bits(&r) >> shift;
+            in[j].c = (int16_t)(rng_bits(&r) % 32768);
+        }
+        place_both(&pose, &by);
+    }
+}
+
+static void placements_with_unknown_focal_length(void)
+{
+    rng r = rng_seed(90);
+    int placed = 0;
+    for (int n = 0; n < 500; n++) {
+        edml_pose pose;
+        edml_camera by;
+        edml_pose_q given;
+        edml_placement_q expected, found;
+        edml_camera_q camera, other;
+        checked_tally taken;
+        random_scene(&r, n, &pose, &by);
+        pose_to_q16(&given, &pose);
+        memset(&expected, 0, sizeof expected);
+        memset(&found, 0, sizeof found);
+        memset(&camera, 0, sizeof camera);
+        memset(&other, 0, sizeof other);
+        const int32_t width = (int32_t)(rng_bits(&r) >> 2), height = (int32_t)(rng_bits(&r) >> (2 + n % 5));
+        const edml_status status = edml_place_sweep_q(&expected, &camera, &given, in, width, height, &work,
+                                                      sizeof work);
+        TEST_ASSERT_EQUAL_INT(status,
+                              checked_place_sweep(&found, &other, &given, in, width, height, &taken));
+        TEST_ASSERT_EQUAL_MEMORY(&expected, &found, offsetof(edml_placement_q, steps)); /* no padding */
+        TEST_ASSERT_EQUAL_INT(expected.steps, found.steps);
+        TEST_ASSERT_SAME_BYTES(camera, other);
+        TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+        placed += status == EDML_OK;
+    }
+    TEST_ASSERT_TRUE(placed > 50);
+}
+
+/* ---- Bodies, their quality, and on the floor --------------------------------------------------------- */
+
+static void same_fit_and_quality(const edml_pose_q *pose, const edml_body_q *body)
+{
+    checked_tally taken;
+    edml_pose_q expected = *pose, found = *pose;
+    int32_t quality = -1, other = -1;
+    TEST_ASSERT_EQUAL_INT(edml_fit_body_q(&expected, body), checked_fit_body(&found, body, &taken));
+    TEST_ASSERT_SAME_BYTES(expected, found);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    TEST_ASSERT_EQUAL_INT(edml_quality_q(&quality, pose, in), checked_quality(&other, pose, in, &taken));
+    TEST_ASSERT_EQUAL_INT32(quality, other);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+}
+
+static void same_stand(const edml_pose_q *pose, edml_point_q up)
+{
+    checked_tally taken;
+    edml_point_q expected[EDML_JOINTS], found[EDML_JOINTS];
+    memset(expected, 0, sizeof expected);
+    memset(found, 0, sizeof found);
+    TEST_ASSERT_EQUAL_INT(edml_stand_q(expected, pose, up), checked_stand(found, pose, up, &taken));
+    TEST_ASSERT_SAME_BYTES(expected, found);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+}
+
+static void same_joint_limits(const edml_pose_q *pose)
+{
+    checked_tally taken;
+    edml_pose_q expected = *pose, found = *pose;
+    int count = -1, other = -1;
+    TEST_ASSERT_EQUAL_INT(edml_joint_limits_q(&count, pose), checked_joint_limits(&other, pose, &taken));
+    TEST_ASSERT_EQUAL_INT(count, other);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    TEST_ASSERT_EQUAL_INT(edml_reflect_by_joint_limits_q(&count, &expected),
+                          checked_reflect_by_joint_limits(&other, &found, &taken));
+    TEST_ASSERT_EQUAL_INT(count, other);
+    TEST_ASSERT_SAME_BYTES(expected, found);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+}
+
+/* Joints anywhere within reach, or at its ends; measures of people, or anything; upwards of any bits. */
+static void poses_of_any_size(void)
+{
+    rng r = rng_seed(88);
+    for (int n = 0; n < 20000; n++) {
+        edml_pose pose;
+        edml_pose_q given;
+        edml_body_q body;
+        memset(&body, 0, sizeof body);
+        memset(&pose, 0, sizeof pose);
+        const int shift = (int)(rng_bits(&r) % 20);
+        random_points(&r, pose.joint, n % 3 == 0 ? 4 : magnitude(&r, 0.001F, 4));
+        for (int j = 0; j < EDML_JOINTS && n % 5 == 0; j++)
+            if (rng_bits(&r) % 2) pose.joint[j].y = rng_bits(&r) % 2 ? 3.9999F : -3.9999F;
+        pose_to_q16(&given, &pose);
+        given.mirror_margin = (int32_t)(rng_bits(&r) >> (1 + shift));
+        given.residual = (int32_t)(rng_bits(&r) >> (1 + shift));
+        if (n % 2) body.height = (int32_t)(65536 * uniform(&r, 0.5F, 2.5F));
+        for (int k = 0; k < EDML_BONES; k++)
+            if (n % 7 < 3 && rng_bits(&r) % 2) body.bone[k] = (int32_t)(65536 * uniform(&r, 0.1F, 0.5F));
+        if (n % 11 == 0) body.bone[n % EDML_BONES] = (int32_t)rng_bits(&r) >> shift;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x = (int32_t)rng_bits(&r) >> (2 + shift);
+            in[j].y = (int32_t)rng_bits(&r) >> (2 + shift);
+            in[j].c = rng_bits(&r) % 8 ? 1 : 0;
+        }
+        const edml_point_q up = {(int32_t)rng_bits(&r) >> shift, (int32_t)rng_bits(&r) >> shift,
+                                 (int32_t)rng_bits(&r) >> shift};
+        same_fit_and_quality(&given, &body);
+        same_stand(&given, up);
+        same_joint_limits(&given);
+    }
+}
+
+/* ---- Detectors' keypoints ---------------------------------------------------------------------------- */
+
+/* Coordinates anywhere in the range, at its ends or beyond. */
+static void keypoints_of_any_detector(void)
+{
+    rng r = rng_seed(89);
+    edml_keypoint_q given[33], expected[EDML_JOINTS], found[EDML_JOINTS];
+    memset(given, 0, sizeof given);
+    memset(expected, 0, sizeof expected);
+    memset(found, 0, sizeof found);
+    for (int n = 0; n < 20000; n++) {
+        const edml_format *const format = edml_formats[n % EDML_FORMATS];
+        const int32_t ends[] = {ROOM - 1, 1 - ROOM, ROOM, INT32_MIN};
+        checked_tally taken;
+        for (int k = 0; k < format->keypoints; k++) {
+            const uint32_t choice = rng_bits(&r);
+            given[k].x = n % 3 == 0 ? ends[choice % (n % 2 ? 2 : 4)] : (int32_t)rng_bits(&r) / 4;
+            given[k].y = n % 3 == 0 ? ends[choice / 4 % 2] : (int32_t)rng_bits(&r) / 4;
+            given[k].c = (int16_t)(rng_bits(&r) % 8 ? rng_bits(&r) >> 17 : 0);
+        }
+        edml_adapt_q(expected, given, format);
+        checked_adapt(found, given, format, &taken);
+        for (int j = 0; j < EDML_JOINTS; j++)
+            TEST_ASSERT_TRUE(expected[j].x == found[j].x && expected[j].y == found[j].y &&
+                             expected[j].c == found[j].c);
+        TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(people);
+    RUN_TEST(scattered_joints);
+    RUN_TEST(corners_of_the_widest_boxes);
+    RUN_TEST(boxes_at_the_ends_of_the_range);
+    RUN_TEST(any_distances_up_to_three_metres);
+    RUN_TEST(distances_of_nothing_and_three_metres);
+    RUN_TEST(crowds_three_metres_apart);
+    RUN_TEST(placements);
+    RUN_TEST(placements_of_noise);
+    RUN_TEST(placements_with_unknown_focal_length);
+    RUN_TEST(poses_of_any_size);
+    RUN_TEST(keypoints_of_any_detector);
+    return UNITY_END();
+}

@@ -1,0 +1,73 @@
+/* A small FConv, of 8 and 16 channels, in float and the same one in integers.  Its weights are drawn,
+ * so that tests/vectors/make_fconv_vectors.py can draw them as well.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_TEST_FCONV_TINY_H
+#define EDML_TEST_FCONV_TINY_H
+
+#include "network/kernels.h"
+
+enum { TINY_LAYERS = 5, TINY_MAX_WEIGHTS = 49 * 16 * 16 };
+
+static int8_t tiny_weight[TINY_LAYERS][TINY_MAX_WEIGHTS];
+static float tiny_weight_f32[TINY_LAYERS][TINY_MAX_WEIGHTS];
+static int32_t tiny_bias[TINY_LAYERS][16], tiny_multiplier[TINY_LAYERS][16];
+static float tiny_bias_f32[TINY_LAYERS][16];
+static edml_dense_f32 tiny_layers_f32[TINY_LAYERS];
+static edml_dense_w8 tiny_layers_w8[TINY_LAYERS];
+
+static int tiny_draw(uint32_t *state) /* -127 to 127 */
+{
+    *state = *state * 1664525U + 1013904223U;
+    return (int)((*state >> 16) % 255) - 127;
+}
+
+/* A layer whose weights are multiples of 2^-scale.  Activations are in Q12, so that in integers a
+ * sum is in Q(12 + scale). */
+static void tiny_layer(int n, int inputs, int outputs, int scale, uint32_t *state)
+{
+    const int rows = (outputs + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS;
+    for (int k = 0; k < rows * inputs; k++) {
+        tiny_weight[n][k] = (int8_t)(k % EDML_ROWS < outputs ? tiny_draw(state) : 0);
+        tiny_weight_f32[n][k] = (float)tiny_weight[n][k] / (float)(1 << scale);
+    }
+    for (int k = 0; k < rows; k++) {
+        tiny_multiplier[n][k] = 1 << 20;
+        tiny_bias[n][k] = k < outputs ? tiny_draw(state) * (1 << (2 + scale)) : 0; /* up to 1/8 */
+        if (n == 4 && k == 0) tiny_bias[n][k] = 3 << (10 + scale);                 /* 3/4 m */
+        tiny_bias_f32[n][k] = (float)tiny_bias[n][k] / (float)(4096 << scale);
+    }
+    const int last = n == 4, shift = last ? 20 + 12 + scale + 1 - 24 : 20 + scale;
+    const edml_dense_f32 f32 = {(uint16_t)inputs, (uint16_t)outputs, tiny_weight_f32[n], tiny_bias_f32[n]};
+    const edml_dense_w8 w8 = {(uint16_t)inputs,
+                              (uint16_t)outputs,
+                              tiny_weight[n],
+                              tiny_bias[n],
+                              tiny_multiplier[n],
+                              (uint8_t)shift,
+                              last ? 3 << 24 : EDML_ACTIVATION};
+    tiny_layers_f32[n] = f32;
+    tiny_layers_w8[n] = w8;
+}
+
+/* With the limits and mirror weights of a shipped model. */
+static edml_model tiny_model(const edml_model *shipped, const void *layers)
+{
+    uint32_t state = 2017;
+    tiny_layer(0, 49, 8, 9, &state);
+    tiny_layer(1, 49 * 8, 16, 10, &state);
+    tiny_layer(2, 49 * 16, 8, 10, &state);
+    tiny_layer(3, 49 * 8, 16, 9, &state);
+    tiny_layer(4, 16, 1, 11, &state);
+    edml_model model = *shipped;
+    model.name = "tiny";
+    model.layers = layers;
+    model.checksum = model.compute_checksum(&model);
+    return model;
+}
+
+static edml_model tiny_f32(void) { return tiny_model(&edml_fconv_f32, tiny_layers_f32); }
+static edml_model tiny_w8(void) { return tiny_model(&edml_fconv_w8, tiny_layers_w8); }
+
+#endif

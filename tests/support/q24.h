@@ -1,0 +1,48 @@
+/* Conversions to and from fixed point, and the fixed-point stages with the types of the float ones.
+ *
+ * Numbers are rounded on their way in; keypoints out of range become the ends of it, as a saturating
+ * conversion makes them.  Work memory is the wrappers' own; the one that is passed only must not be NULL.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_TEST_Q24_H
+#define EDML_TEST_Q24_H
+
+#include "edmlift/body.h"
+#include "edmlift/camera.h"
+#include "edmlift/stages.h"
+
+void to_q16(edml_keypoint_q out[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS]);
+void pose_to_q16(edml_pose_q *out, const edml_pose *pose);
+edml_camera_q camera_to_q16(edml_camera camera);
+
+edml_status q24_edm(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest_joints,
+                    float max_aspect, const edml_imputation *imputation);
+edml_status q24_predict(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,
+                        void *work, size_t work_bytes);
+void q24_jacobi(edml_eigen *eigen, const edml_matrix *a);
+void q24_mds(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_work *work);
+int q24_refine(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_objective objective,
+               int steps, edml_work *work);
+float q24_stress(const edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
+                 edml_objective objective);
+float q24_mirror(edml_point x[EDML_JOINTS], const edml_model *model);
+edml_status q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen);
+void q24_fuse(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
+              const edml_model *model);
+edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
+                     void *work, size_t work_bytes);
+void q24_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const edml_format *format);
+edml_status q24_place(edml_placement *placement, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
+                      const edml_camera *camera, void *work, size_t work_bytes);
+edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, const edml_pose *pose,
+                            const edml_keypoint in[EDML_JOINTS], float width, float height, void *work,
+                            size_t work_bytes);
+
+edml_status q24_fit_body(edml_pose *pose, const edml_body *body);
+edml_status q24_quality(float *quality, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS]);
+edml_status q24_joint_limits(int *violations, const edml_pose *pose);
+edml_status q24_reflect_by_joint_limits(int *fewer, edml_pose *pose);
+edml_status q24_stand(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_point up);
+
+#endif

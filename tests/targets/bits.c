@@ -1,0 +1,315 @@
+/* Prints a checksum of all that the library computes on hard input, in float and in fixed point: every
+ * compiler, level of optimisation and processor must print what bits.txt has
+ * (tests/python/test_bits.py).
+ *
+ * The input comes from whole numbers and single float operations, so that it is the same as well.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "edmlift.h"
+#include "edmlift/body.h"
+#include "edmlift/camera.h"
+#include "edmlift/stages.h"
+#include "../support/fconv_tiny.h"
+#include "number/real_f32.h" /* its input, too, is the same with fused operations switched on */
+
+enum { POSES = 200, MATRICES = 12, SHAPES = 12, STEPS = 6, NETS = 4 };
+
+static edml_work work;
+static edml_work_q work_q24;
+static uint64_t hash; /* FNV-1a */
+static uint32_t state;
+
+static void add_bytes(const void *data, size_t size)
+{
+    const uint8_t *byte = data;
+    for (size_t n = 0; n < size; n++) hash = (hash ^ byte[n]) * 1099511628211U;
+}
+
+/* A whole number from 0 to below `range`. */
+static int draw(int range)
+{
+    state = state * 1664525U + 1013904223U;
+    return (int)((state >> 16) % (uint32_t)range);
+}
+
+/* From -1 to 1 in steps of 2^-10. */
+static float draw_float(void) { return (float)(draw(2049) - 1024) / 1024.0F; }
+
+/* A person whose every joint is off by up to a quarter of a metre; each fifth misses joints, a few
+ * are upside down, equal, not finite or on a line. */
+static void hard_pose(edml_keypoint in[EDML_JOINTS], int n)
+{
+    static const int8_t x[] = {0, 0, -18, -25, -22, 18, 27, 24, -13, -15, -16, 13, 15, 17};
+    static const int8_t y[] = {-80, -56, -50, -23, -8, -50, -24, -12, 0, 42, 84, 0, 43, 85};
+    const float size = (float)(1 + draw(500)) / 64.0F;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        in[j].x = 1000.0F + size * ((float)x[j] + 25.0F * draw_float());
+        in[j].y = size * ((float)(n % 7 == 0 ? -y[j] : y[j]) + 25.0F * draw_float());
+        in[j].c = n % 5 == 0 && draw(5) == 0 ? 0.0F : 1.0F;
+        if (n % 50 == 49) in[j].y = in[0].y;
+        if (n % 50 == 48) in[j].x = in[j].y;
+    }
+    if (n % 50 == 47) in[draw(EDML_JOINTS)].x /= 0.0F * in[0].c; /* infinity */
+}
+
+static int lift_poses(const edml_model *model)
+{
+    int lifted = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint in[EDML_JOINTS];
+        edml_pose pose;
+        memset(&pose, 0, sizeof pose);
+        hard_pose(in, n);
+        const int8_t status = (int8_t)edml_lift(&pose, in, model, &work, sizeof work);
+        add_bytes(&status, sizeof status);
+        add_bytes(&pose, sizeof pose);
+        lifted += status == EDML_OK;
+    }
+    return lifted;
+}
+
+/* To Q16; what is out of range, its nearest end. */
+static int32_t fixed(float pixels)
+{
+    return pixels < 8192.0F ? (int32_t)(pixels * 65536.0F) : INT32_MAX;
+}
+
+static void hard_pose_q16(edml_keypoint_q in[EDML_JOINTS], int n)
+{
+    edml_keypoint image[EDML_JOINTS];
+    hard_pose(image, n);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        in[j].x = fixed(image[j].x);
+        in[j].y = fixed(image[j].y);
+        in[j].c = image[j].c > 0 ? INT16_MAX : 0;
+    }
+}
+
+static int lift_poses_q24(const edml_model *model)
+{
+    int lifted = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint_q in[EDML_JOINTS];
+        edml_pose_q pose;
+        memset(&pose, 0, sizeof pose);
+        hard_pose_q16(in, n);
+        const int8_t status = (int8_t)edml_lift_q(&pose, in, model, &work_q24, sizeof work_q24);
+        add_bytes(&status, sizeof status);
+        add_bytes(&pose, sizeof pose);
+        lifted += status == EDML_OK;
+    }
+    return lifted;
+}
+
+/* What was lifted of hard poses, before cameras of many focal lengths. */
+static int place_poses(void)
+{
+    int placed = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint in[EDML_JOINTS];
+        edml_pose pose;
+        edml_placement placement;
+        memset(&placement, 0, sizeof placement);
+        hard_pose(in, n);
+        if (edml_lift(&pose, in, &edml_fconn_f32, &work, sizeof work) != EDML_OK) continue;
+        const float focal = (float)(500 + draw(2000));
+        const edml_camera camera = {focal, focal, 1000, 0};
+        const int8_t status = (int8_t)edml_place(&placement, &pose, in, &camera, &work, sizeof work);
+        add_bytes(&status, sizeof status);
+        add_bytes(&placement, sizeof placement);
+        placed += status == EDML_OK;
+    }
+    return placed;
+}
+
+static int place_poses_q24(void)
+{
+    int placed = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint_q in[EDML_JOINTS];
+        edml_pose_q pose;
+        edml_placement_q placement;
+        memset(&placement, 0, sizeof placement);
+        hard_pose_q16(in, n);
+        if (edml_lift_q(&pose, in, &edml_fconn_w16, &work_q24, sizeof work_q24) != EDML_OK) continue;
+        const int32_t focal = (500 + draw(2000)) * 65536;
+        const edml_camera_q camera = {focal, focal, 1000 * 65536, 0};
+        const int8_t status = (int8_t)edml_place_q(&placement, &pose, in, &camera, &work_q24, sizeof work_q24);
+        add_bytes(&status, sizeof status);
+        add_bytes(&placement, sizeof placement);
+        placed += status == EDML_OK;
+    }
+    return placed;
+}
+
+/* What was lifted of hard poses: its quality, on the floor, and of people of many sizes. */
+static int resize_poses(void)
+{
+    int resized = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint in[EDML_JOINTS];
+        edml_pose pose;
+        edml_point stood[EDML_JOINTS];
+        edml_body owner = {1.5F + 0.75F * draw_float(), {0}};
+        const edml_point up = {draw_float(), draw_float(), draw_float()};
+        if (n % 3 == 0) owner.bone[draw(EDML_BONES)] = 0.3F + 0.0625F * draw_float();
+        hard_pose(in, n);
+        if (edml_lift(&pose, in, &edml_fconn_f32, &work, sizeof work) != EDML_OK) continue;
+        float quality = 0;
+        edml_quality(&quality, &pose, in);
+        add_bytes(&quality, sizeof quality);
+        if (edml_stand(stood, &pose, up) == EDML_OK) add_bytes(stood, sizeof stood);
+        const int8_t status = (int8_t)edml_fit_body(&pose, &owner);
+        add_bytes(&status, sizeof status);
+        add_bytes(pose.joint, sizeof pose.joint);
+        resized += status == EDML_OK;
+    }
+    return resized;
+}
+
+static int resize_poses_q24(void)
+{
+    int resized = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint_q in[EDML_JOINTS];
+        edml_pose_q pose;
+        edml_point_q stood[EDML_JOINTS];
+        edml_body_q owner = {49152 + 48 * draw(2049), {0}};
+        const edml_point_q up = {draw(2049) - 1024, draw(2049) - 1024, draw(2049) - 1024};
+        if (n % 3 == 0) owner.bone[draw(EDML_BONES)] = 16384 + 4 * draw(2049);
+        hard_pose_q16(in, n);
+        if (edml_lift_q(&pose, in, &edml_fconn_w16, &work_q24, sizeof work_q24) != EDML_OK) continue;
+        int32_t quality = 0;
+        edml_quality_q(&quality, &pose, in);
+        add_bytes(&quality, sizeof quality);
+        if (edml_stand_q(stood, &pose, up) == EDML_OK) add_bytes(stood, sizeof stood);
+        const int8_t status = (int8_t)edml_fit_body_q(&pose, &owner);
+        add_bytes(&status, sizeof status);
+        add_bytes(pose.joint, sizeof pose.joint);
+        resized += status == EDML_OK;
+    }
+    return resized;
+}
+
+/* Entries of both signs, of one size. */
+static void decompose_matrices(void)
+{
+    static edml_matrix a;
+    static edml_eigen e;
+    for (int n = 0; n < MATRICES; n++) {
+        for (int i = 0; i < EDML_JOINTS; i++)
+            for (int j = i; j < EDML_JOINTS; j++) a.at[i][j] = draw_float();
+        edml_jacobi(&e, &a);
+        add_bytes(e.value, sizeof e.value);
+        add_bytes(e.vector, sizeof e.vector);
+    }
+}
+
+/* Distances that no points have, from 0 to 2 m. */
+static void refine_shapes(void)
+{
+    for (int n = 0; n < SHAPES; n++) {
+        edml_point x[EDML_JOINTS];
+        float distance[EDML_PAIRS];
+        for (int k = 0; k < EDML_PAIRS; k++) distance[k] = 1.0F + draw_float();
+        edml_mds(x, distance, &work);
+        add_bytes(x, sizeof x);
+        const edml_objective objective = (edml_objective)(EDML_STRESS_SQUARE + n % 3);
+        edml_refine(x, distance, objective, STEPS, &work);
+        add_bytes(x, sizeof x);
+    }
+}
+
+/* The same two, on whole numbers. */
+static void decompose_matrices_q24(void)
+{
+    static edml_matrix_q a;
+    static edml_eigen_q e;
+    for (int n = 0; n < MATRICES; n++) {
+        for (int i = 0; i < EDML_JOINTS; i++)
+            for (int j = i; j < EDML_JOINTS; j++) a.at[i][j] = (draw(2049) - 1024) * (1 << 14);
+        edml_jacobi_q(&e, &a);
+        add_bytes(e.value, sizeof e.value);
+        add_bytes(e.vector, sizeof e.vector);
+    }
+}
+
+static void refine_shapes_q24(void)
+{
+    for (int n = 0; n < SHAPES; n++) {
+        edml_point_q24 x[EDML_JOINTS];
+        int32_t distance[EDML_PAIRS];
+        for (int k = 0; k < EDML_PAIRS; k++) distance[k] = draw(2049) * (1 << 14);
+        edml_mds_q(x, distance, &work_q24);
+        add_bytes(x, sizeof x);
+        const edml_objective objective = (edml_objective)(EDML_STRESS_SQUARE + n % 3);
+        edml_refine_q(x, distance, objective, STEPS, &work_q24);
+        add_bytes(x, sizeof x);
+    }
+}
+
+/* The distances that the small FConv of fconv_tiny.h predicts. */
+static int convolve(const edml_model *model)
+{
+    static edml_fconv_work fconv_work;
+    for (int n = 0; n < NETS; n++) {
+        float distance[EDML_PAIRS];
+        for (int k = 0; k < EDML_PAIRS; k++) distance[k] = (float)draw(2049) / 512.0F;
+        edml_predict(distance, distance, model, &fconv_work, sizeof fconv_work);
+        add_bytes(distance, sizeof distance);
+    }
+    return NETS;
+}
+
+static void start(void)
+{
+    hash = 14695981039346656037U;
+    state = 1;
+}
+
+static void report_of(const char *what, int count, int of, const char *done)
+{
+    printf("%s %08lx%08lx %d of %d %s\n", what, (unsigned long)(hash >> 32),
+           (unsigned long)(hash & 0xFFFFFFFFU), count, of, done);
+}
+
+static void report(const char *what, int count, const char *done)
+{
+    report_of(what, count, POSES, done);
+}
+
+int main(void)
+{
+    start();
+    int lifted = lift_poses(&edml_fconn_f32);
+    decompose_matrices();
+    refine_shapes();
+    report("float f32", lifted, "lifted");
+    start();
+    report("float q15", lift_poses(&edml_fconn_w16), "lifted");
+    start();
+    lifted = lift_poses_q24(&edml_fconn_w16);
+    decompose_matrices_q24();
+    refine_shapes_q24();
+    report("fixed q15", lifted, "lifted");
+    start();
+    report("fixed q7", lift_poses_q24(&edml_fconn_w8), "lifted");
+    start();
+    report("float f32", place_poses(), "placed");
+    start();
+    report("fixed q15", place_poses_q24(), "placed");
+    start();
+    report("float f32", resize_poses(), "resized");
+    start();
+    report("fixed q15", resize_poses_q24(), "resized");
+    start();
+    const edml_model f32 = tiny_f32(), w8 = tiny_w8();
+    report_of("fconv f32", convolve(&f32), NETS, "convolved");
+    start();
+    report_of("fconv q7", convolve(&w8), NETS, "convolved");
+    return 0;
+}

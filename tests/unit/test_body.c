@@ -1,0 +1,551 @@
+/* optional/body.h, quality.h, stand.h and uncertainty.c: what can be done with a lifted pose.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <stdio.h>
+
+#include "as_float.h"
+
+#define CHAIN 0.902F /* from head to ankle, relative to the standing height: docs/body.md */
+#define ANKLE 0.07F  /* metres above the floor */
+
+static edml_pose pose, before;
+static edml_body body;
+static edml_keypoint in[EDML_JOINTS];
+
+/* ---- Poses ------------------------------------------------------------------------------------- */
+
+static void lift_of(const edml_point x[EDML_JOINTS])
+{
+    memset(&pose, 0, sizeof pose);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        pose.joint[j].x = x[j].x - (x[EDML_R_HIP].x + x[EDML_L_HIP].x) / 2;
+        pose.joint[j].y = x[j].y - (x[EDML_R_HIP].y + x[EDML_L_HIP].y) / 2;
+        pose.joint[j].z = x[j].z - (x[EDML_R_HIP].z + x[EDML_L_HIP].z) / 2;
+    }
+    pose.mirror_margin = 2;
+    pose.residual = 0.01F;
+    pose.seen = ALL_SEEN;
+    before = pose;
+}
+
+static void someone(rng *r)
+{
+    edml_point x[EDML_JOINTS];
+    random_human(r, x);
+    rotate_points(x, random_rotation(r), x);
+    lift_of(x);
+    memset(&body, 0, sizeof body);
+}
+
+static double length_of(const edml_pose *of, int bone)
+{
+    return distance_between(of->joint[edml_bones[bone].from], of->joint[edml_bones[bone].to]);
+}
+
+static double chain_of(const edml_pose *of)
+{
+    double sum = 2 * length_of(of, 0);
+    for (int n = 7; n < EDML_BONES; n++) sum += length_of(of, n);
+    return sum / 2;
+}
+
+/* Cosine between a bone of the pose and what it was before. */
+static double kept_direction(int bone)
+{
+    const edml_point a = pose.joint[edml_bones[bone].from], b = pose.joint[edml_bones[bone].to];
+    const edml_point c = before.joint[edml_bones[bone].from], d = before.joint[edml_bones[bone].to];
+    const double product = (double)(b.x - a.x) * (double)(d.x - c.x) +
+                           (double)(b.y - a.y) * (double)(d.y - c.y) +
+                           (double)(b.z - a.z) * (double)(d.z - c.z);
+    return product / length_of(&pose, bone) / length_of(&before, bone);
+}
+
+static void check_fit(void)
+{
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_fit_body(&pose, &body));
+    TEST_ASSERT_ERROR_UP_TO(PERSON_TOLERANCE, pose.joint[EDML_R_HIP].x + pose.joint[EDML_L_HIP].x);
+    TEST_ASSERT_ERROR_UP_TO(PERSON_TOLERANCE, pose.joint[EDML_R_HIP].y + pose.joint[EDML_L_HIP].y);
+    TEST_ASSERT_ERROR_UP_TO(PERSON_TOLERANCE, pose.joint[EDML_R_HIP].z + pose.joint[EDML_L_HIP].z);
+    for (int n = 0; n < EDML_BONES; n++) TEST_ASSERT_TRUE(kept_direction(n) > PERSON_COSINE);
+}
+
+static void check_refused(edml_status status)
+{
+    const edml_pose given = pose;
+    TEST_ASSERT_EQUAL_INT(status, edml_fit_body(&pose, &body));
+    TEST_ASSERT_SAME_BYTES(given, pose);
+}
+
+/* ---- The person's size --------------------------------------------------------------------------- */
+
+static void nothing_known_leaves_the_pose(void)
+{
+    rng r = rng_seed(130);
+    for (int n = 0; n < 50; n++) {
+        someone(&r);
+        check_fit();
+        TEST_ASSERT_ERROR_UP_TO(PERSON_TOLERANCE, worst_joint_error(pose.joint, before.joint));
+        TEST_ASSERT_TRUE(pose.residual == before.residual && pose.seen == before.seen);
+    }
+}
+
+static void a_height_scales_all_alike(void)
+{
+    rng r = rng_seed(131);
+    for (int n = 0; n < 100; n++) {
+        someone(&r);
+        body.height = uniform(&r, 0.5F, 2.5F);
+        const float scale = CHAIN * body.height / (float)chain_of(&before);
+        check_fit();
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            TEST_ASSERT_FLOAT_WITHIN(PERSON_TOLERANCE, scale * before.joint[j].x, pose.joint[j].x);
+            TEST_ASSERT_FLOAT_WITHIN(PERSON_TOLERANCE, scale * before.joint[j].y, pose.joint[j].y);
+            TEST_ASSERT_FLOAT_WITHIN(PERSON_TOLERANCE, scale * before.joint[j].z, pose.joint[j].z);
+        }
+    }
+}
+
+static void known_bones_get_their_length_and_others_keep_theirs(void)
+{
+    rng r = rng_seed(132);
+    for (int n = 0; n < 100; n++) {
+        someone(&r);
+        const int known = n % EDML_BONES;
+        body.bone[known] = (float)length_of(&before, known) * uniform(&r, 0.9F, 1.1F);
+        body.bone[9] = (float)length_of(&before, 9) * uniform(&r, 0.9F, 1.1F);
+        check_fit();
+        for (int k = 0; k < EDML_BONES; k++) {
+            const double wanted = body.bone[k] > 0 ? (double)body.bone[k] : length_of(&before, k);
+            TEST_ASSERT_FLOAT_WITHIN(PERSON_TOLERANCE, (float)wanted, (float)length_of(&pose, k));
+        }
+    }
+}
+
+static void with_a_height_too_the_other_bones_are_scaled(void)
+{
+    rng r = rng_seed(133);
+    for (int n = 0; n < 100; n++) {
+        someone(&r);
+        body.height = uniform(&r, 1.5F, 1.9F);
+        body.bone[8] = body.bone[11] = 0.4F;
+        const double scale = (double)(CHAIN * body.height) / chain_of(&before);
+        check_fit();
+        for (int k = 0; k < EDML_BONES; k++) {
+            const double wanted = k == 8 || k == 11 ? 0.4 : scale * length_of(&before, k);
+            TEST_ASSERT_FLOAT_WITHIN(PERSON_TOLERANCE, (float)wanted, (float)length_of(&pose, k));
+        }
+    }
+}
+
+static void absurd_measures_are_refused(void)
+{
+    static const float heights[] = {-1.7F, 0.3F, 2.6F, 10, 170, 1e30F, -1e30F, INFINITY, NAN};
+    static const float bones[] = {-0.4F, 0.01F, 1.2F, 5, 40, INFINITY, NAN};
+    rng r = rng_seed(134);
+    for (unsigned n = 0; n < sizeof heights / sizeof *heights; n++) {
+        someone(&r);
+        body.height = heights[n];
+        check_refused(EDML_ERR_BODY);
+    }
+    for (unsigned n = 0; n < sizeof bones / sizeof *bones; n++) {
+        someone(&r);
+        body.bone[8] = bones[n];
+        check_refused(EDML_ERR_BODY);
+        body.height = 1.75F;
+        check_refused(EDML_ERR_BODY);
+    }
+}
+
+static void measures_of_two_people_are_refused(void)
+{
+    rng r = rng_seed(135);
+    someone(&r);
+    body.bone[8] = 0.25F; /* a child's thigh, a man's shin */
+    body.bone[9] = 0.45F;
+    check_refused(EDML_ERR_BODY);
+    body.bone[9] = 0.28F;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_fit_body(&pose, &body));
+    body.height = 1.8F;
+    check_refused(EDML_ERR_BODY);
+}
+
+static void a_pose_that_is_none_is_refused(void)
+{
+    rng r = rng_seed(136);
+    someone(&r);
+    body.height = 1.75F;
+    pose.joint[EDML_L_KNEE].y = NAN;
+    before = pose;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_fit_body(&pose, &body));
+    someone(&r);
+    body.height = 1.75F;
+    pose.joint[EDML_L_KNEE].y = -4.1F;
+    check_refused(EDML_ERR_NOT_FINITE);
+    someone(&r);
+    equal_points(pose.joint, 0, 0, 0);
+    body.height = 1.75F;
+    check_refused(EDML_ERR_DEGENERATE);
+    body.height = 0;
+    body.bone[3] = 0.25F;
+    check_refused(EDML_ERR_DEGENERATE);
+}
+
+static void a_pose_of_quite_another_size_is_refused(void)
+{
+    rng r = rng_seed(137);
+    someone(&r);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        pose.joint[j].x *= 0.4F;
+        pose.joint[j].y *= 0.4F;
+        pose.joint[j].z *= 0.4F;
+    }
+    body.height = 1.75F;
+    check_refused(EDML_ERR_DEGENERATE);
+}
+
+/* ---- Quality ------------------------------------------------------------------------------------- */
+
+/* An average body, which human_pose() is not. */
+static void average_human(void)
+{
+    static const edml_point standing[EDML_JOINTS] = {
+        {0, -0.77F, -0.05F},      {0, -0.48F, 0},          {-0.18F, -0.54F, 0},    {-0.20F, -0.26F, 0.04F},
+        {-0.22F, -0.05F, -0.12F}, {0.18F, -0.54F, 0},      {0.20F, -0.26F, 0.04F}, {0.22F, -0.05F, -0.12F},
+        {-0.10F, 0, 0},           {-0.12F, 0.39F, -0.08F}, {-0.12F, 0.80F, 0},     {0.10F, 0, 0},
+        {0.12F, 0.39F, -0.08F},   {0.12F, 0.80F, 0},
+    };
+    lift_of(standing);
+    photograph(in, pose.joint);
+}
+
+static float quality_of(void)
+{
+    float quality = -1;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_quality(&quality, &pose, in));
+    return quality;
+}
+
+static float quality_without(int joint)
+{
+    average_human();
+    in[joint].c = 0;
+    return quality_of();
+}
+
+static void a_sound_pose_has_a_high_quality(void)
+{
+    average_human();
+    const float quality = quality_of();
+    printf("quality of a sound pose: %.3f\n", (double)quality);
+    TEST_ASSERT_TRUE(quality > 0.9F && quality < 1);
+}
+
+static void whatever_is_wrong_lowers_quality(void)
+{
+    average_human();
+    const float sound = quality_of();
+    pose.mirror_margin = 0.1F;
+    TEST_ASSERT_TRUE(quality_of() < sound);
+    average_human();
+    pose.residual = 0.05F;
+    TEST_ASSERT_TRUE(quality_of() < sound);
+    average_human();
+    pose.joint[EDML_L_WRIST].z += 0.6F; /* a forearm of half a metre */
+    TEST_ASSERT_TRUE(quality_of() < sound);
+    average_human();
+    in[EDML_L_WRIST].x += 60;
+    TEST_ASSERT_TRUE(quality_of() < sound);
+    TEST_ASSERT_TRUE(quality_without(EDML_L_WRIST) < sound);
+}
+
+static void an_image_of_something_else_has_hardly_any_quality(void)
+{
+    rng r = rng_seed(138);
+    for (int n = 0; n < 200; n++) {
+        average_human();
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x = uniform(&r, 0, 1000);
+            in[j].y = uniform(&r, 0, 1000);
+        }
+        const float quality = quality_of();
+        TEST_ASSERT_TRUE(quality >= 0 && quality < 0.1F);
+    }
+    average_human();
+    for (int j = 0; j < EDML_JOINTS; j++) { /* upside down */
+        in[j].x = -in[j].x;
+        in[j].y = -in[j].y;
+    }
+    TEST_ASSERT_TRUE(quality_of() < 0.1F);
+}
+
+static void size_and_place_of_the_image_do_not_change_quality(void)
+{
+    rng r = rng_seed(139);
+    for (int n = 0; n < 50; n++) {
+        average_human();
+        for (int j = 0; j < EDML_JOINTS; j++) in[j].x += 5 * gauss(&r);
+        const float quality = quality_of();
+        const float size = uniform(&r, 0.2F, 5), x = uniform(&r, -999, 999);
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x = size * in[j].x + x;
+            in[j].y = size * in[j].y - x;
+        }
+        TEST_ASSERT_FLOAT_WITHIN(QUALITY_TOLERANCE, quality, quality_of());
+    }
+}
+
+static void where_an_unseen_joint_is_does_not_change_quality(void)
+{
+    const float quality = quality_without(EDML_HEAD);
+    in[EDML_HEAD].x = NAN;
+    in[EDML_HEAD].y = 8000;
+    TEST_ASSERT_TRUE(quality == quality_of() && quality > 0);
+}
+
+static void check_no_quality(edml_status status)
+{
+    float quality = 77;
+    TEST_ASSERT_EQUAL_INT(status, edml_quality(&quality, &pose, in));
+    TEST_ASSERT_TRUE(quality == 77);
+}
+
+static void what_no_lift_returns_has_no_quality(void)
+{
+    average_human();
+    in[3].x = NAN;
+    check_no_quality(EDML_ERR_NOT_FINITE);
+    average_human();
+    pose.joint[3].z = INFINITY;
+    check_no_quality(EDML_ERR_NOT_FINITE);
+    average_human();
+    pose.joint[3].z = 4.1F;
+    check_no_quality(EDML_ERR_NOT_FINITE);
+    average_human();
+    pose.residual = -1;
+    check_no_quality(EDML_ERR_ARGUMENT);
+    average_human();
+    pose.mirror_margin = -1;
+    check_no_quality(EDML_ERR_ARGUMENT);
+#ifndef EDML_TEST_Q24 /* integers are never NaN */
+    average_human();
+    pose.mirror_margin = NAN;
+    check_no_quality(EDML_ERR_ARGUMENT);
+#endif
+    average_human();
+    for (int j = 0; j < 5; j++) in[j].c = 0;
+    check_no_quality(EDML_ERR_TOO_FEW_JOINTS);
+    for (int j = 0; j < EDML_JOINTS; j++) in[j].c = 0;
+    check_no_quality(EDML_ERR_TOO_FEW_JOINTS);
+}
+
+static void an_image_without_a_shape_has_hardly_any_quality(void)
+{
+    average_human();
+    for (int j = 0; j < EDML_JOINTS; j++) in[j].x = in[j].y = 7;
+    TEST_ASSERT_TRUE(quality_of() < 0.1F);
+}
+
+#ifndef EDML_TEST_Q24 /* beyond the range of fixed point */
+static void an_image_of_infinite_size_has_hardly_any_quality(void)
+{
+    average_human();
+    in[0].x = 3e38F;
+    in[1].x = -3e38F;
+    TEST_ASSERT_TRUE(quality_of() < 0.1F);
+}
+#else
+static void keypoints_out_of_range_have_no_quality(void)
+{
+    average_human();
+    in[0].x = 3e38F;
+    in[1].x = -3e38F;
+    check_no_quality(EDML_ERR_NOT_FINITE);
+}
+#endif
+
+/* ---- Floor --------------------------------------------------------------------------------------- */
+
+static edml_point stood[EDML_JOINTS];
+
+static edml_point point_of(float x, float y, float z)
+{
+    const edml_point p = {x, y, z};
+    return p;
+}
+
+static void check_floor(edml_point up)
+{
+    float distance[EDML_PAIRS];
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_stand(stood, &pose, up));
+    pair_distances(distance, pose.joint);
+    TEST_ASSERT_ERROR_UP_TO(FLOOR_TOLERANCE, worst_distance_error(stood, distance));
+    TEST_ASSERT_TRUE(same_handedness(stood, pose.joint));
+    const float right = stood[EDML_R_ANKLE].y, left = stood[EDML_L_ANKLE].y;
+    TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, ANKLE, right < left ? right : left);
+    const double size = sqrt((double)up.x * (double)up.x + (double)up.y * (double)up.y +
+                             (double)up.z * (double)up.z);
+    for (int j = 1; j < EDML_JOINTS; j++) {
+        const edml_point a = pose.joint[0], b = pose.joint[j];
+        const double rise = ((double)(b.x - a.x) * (double)up.x + (double)(b.y - a.y) * (double)up.y +
+                             (double)(b.z - a.z) * (double)up.z) /
+                            size;
+        TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, (float)rise, stood[j].y - stood[0].y);
+    }
+}
+
+static void a_level_camera_sees_x_to_the_right_and_z_towards_itself(void)
+{
+    rng r = rng_seed(140);
+    someone(&r);
+    check_floor(point_of(0, -1, 0));
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, pose.joint[j].x, stood[j].x);
+        TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, -pose.joint[j].z, stood[j].z);
+    }
+}
+
+static void any_upwards_will_do(void)
+{
+    static const edml_point axes[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    rng r = rng_seed(141);
+    for (int n = 0; n < 6; n++) {
+        someone(&r);
+        check_floor(axes[n]);
+    }
+    for (int n = 0; n < 500; n++) {
+        someone(&r);
+        const float size = n % 2 ? 9.8F : 100;
+        check_floor(point_of(size * gauss(&r), size * gauss(&r), size * gauss(&r)));
+    }
+}
+
+static void the_length_of_upwards_does_not_matter(void)
+{
+    rng r = rng_seed(142);
+    edml_point other[EDML_JOINTS];
+    someone(&r);
+    check_floor(point_of(1, -4, 2));
+    memcpy(other, stood, sizeof other);
+    check_floor(point_of(1024, -4096, 2048));
+    TEST_ASSERT_ERROR_UP_TO(FLOOR_TOLERANCE, worst_joint_error(stood, other));
+}
+
+/* A camera that pitches keeps its right; one that rolls turns it back. */
+static void pitch_keeps_right_and_roll_is_undone(void)
+{
+    rng r = rng_seed(143);
+    someone(&r);
+    check_floor(point_of(0, -0.8F, -0.6F));
+    for (int j = 0; j < EDML_JOINTS; j++)
+        TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, pose.joint[j].x, stood[j].x);
+    check_floor(point_of(0.6F, -0.8F, 0));
+    for (int j = 0; j < EDML_JOINTS; j++)
+        TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, -pose.joint[j].z, stood[j].z);
+    check_floor(point_of(0, 1, 0)); /* upside down: half a turn */
+    for (int j = 0; j < EDML_JOINTS; j++)
+        TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, -pose.joint[j].x, stood[j].x);
+}
+
+static void no_upwards_is_refused(void)
+{
+    static const float wrong[] = {NAN, INFINITY, -INFINITY};
+    rng r = rng_seed(144);
+    someone(&r);
+    memset(stood, 0x5A, sizeof stood);
+    edml_point untouched[EDML_JOINTS];
+    memcpy(untouched, stood, sizeof stood);
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_stand(stood, &pose, point_of(0, 0, 0)));
+    for (int n = 0; n < 3; n++) {
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_stand(stood, &pose, point_of(wrong[n], -1, 0)));
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_stand(stood, &pose, point_of(0, wrong[n], 0)));
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_stand(stood, &pose, point_of(0, -1, wrong[n])));
+    }
+    pose.joint[2].z = NAN;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, edml_stand(stood, &pose, point_of(0, -1, 0)));
+    TEST_ASSERT_EQUAL_MEMORY(untouched, stood, sizeof stood);
+}
+
+/* ---- Uncertainty ---------------------------------------------------------------------------------- */
+
+static unsigned bits(unsigned mask)
+{
+    unsigned count = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) count += mask >> j & 1;
+    return count;
+}
+
+static uint16_t mirrored(unsigned mask)
+{
+    unsigned other = 0;
+    for (int j = 0; j < EDML_JOINTS; j++)
+        if (mask >> j & 1) other |= 1U << edml_mirror_joint[j];
+    return (uint16_t)other;
+}
+
+static void every_pattern_has_errors_or_is_refused(void)
+{
+    uint8_t whole[EDML_JOINTS], error[EDML_JOINTS], other[EDML_JOINTS];
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_uncertainty(whole, ALL_SEEN));
+    for (unsigned seen = 0; seen <= ALL_SEEN; seen++) {
+        memset(error, 255, sizeof error);
+        const edml_status status = edml_uncertainty(error, (uint16_t)seen);
+        if (bits(seen) < 10) {
+            TEST_ASSERT_EQUAL_INT(EDML_ERR_TOO_FEW_JOINTS, status);
+            TEST_ASSERT_EQUAL_INT(255, error[0]);
+            continue;
+        }
+        TEST_ASSERT_EQUAL_INT(EDML_OK, status);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_uncertainty(other, mirrored(seen)));
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            TEST_ASSERT_TRUE(error[j] >= whole[j] && error[j] < 255);
+            TEST_ASSERT_EQUAL_INT(error[j], other[edml_mirror_joint[j]]);
+        }
+    }
+}
+
+static void what_is_not_seen_is_less_certain(void)
+{
+    uint8_t whole[EDML_JOINTS], error[EDML_JOINTS], arm[EDML_JOINTS];
+    const unsigned wrist = 1U << EDML_L_WRIST, elbow = 1U << EDML_L_ELBOW;
+    edml_uncertainty(whole, ALL_SEEN);
+    edml_uncertainty(error, (uint16_t)(ALL_SEEN & ~wrist));
+    edml_uncertainty(arm, (uint16_t)(ALL_SEEN & ~wrist & ~elbow));
+    TEST_ASSERT_TRUE(error[EDML_L_WRIST] > error[EDML_R_WRIST]);
+    TEST_ASSERT_TRUE(error[EDML_R_WRIST] > whole[EDML_R_WRIST]);
+    TEST_ASSERT_TRUE(arm[EDML_L_WRIST] > error[EDML_L_WRIST]);
+    TEST_ASSERT_TRUE(arm[EDML_L_ELBOW] > arm[EDML_R_ELBOW]);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(nothing_known_leaves_the_pose);
+    RUN_TEST(a_height_scales_all_alike);
+    RUN_TEST(known_bones_get_their_length_and_others_keep_theirs);
+    RUN_TEST(with_a_height_too_the_other_bones_are_scaled);
+    RUN_TEST(absurd_measures_are_refused);
+    RUN_TEST(measures_of_two_people_are_refused);
+    RUN_TEST(a_pose_that_is_none_is_refused);
+    RUN_TEST(a_pose_of_quite_another_size_is_refused);
+    RUN_TEST(a_sound_pose_has_a_high_quality);
+    RUN_TEST(whatever_is_wrong_lowers_quality);
+    RUN_TEST(an_image_of_something_else_has_hardly_any_quality);
+    RUN_TEST(size_and_place_of_the_image_do_not_change_quality);
+    RUN_TEST(where_an_unseen_joint_is_does_not_change_quality);
+    RUN_TEST(what_no_lift_returns_has_no_quality);
+    RUN_TEST(an_image_without_a_shape_has_hardly_any_quality);
+#ifndef EDML_TEST_Q24
+    RUN_TEST(an_image_of_infinite_size_has_hardly_any_quality);
+#else
+    RUN_TEST(keypoints_out_of_range_have_no_quality);
+#endif
+    RUN_TEST(a_level_camera_sees_x_to_the_right_and_z_towards_itself);
+    RUN_TEST(any_upwards_will_do);
+    RUN_TEST(the_length_of_upwards_does_not_matter);
+    RUN_TEST(pitch_keeps_right_and_roll_is_undone);
+    RUN_TEST(no_upwards_is_refused);
+    RUN_TEST(every_pattern_has_errors_or_is_refused);
+    RUN_TEST(what_is_not_seen_is_less_certain);
+    return UNITY_END();
+}

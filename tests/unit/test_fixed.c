@@ -1,0 +1,130 @@
+/* number/fixed.c: division and square root in whole numbers, against exact arithmetic.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <stdlib.h>
+
+#include "number/fixed.h"
+#include "helpers.h"
+
+static uint64_t bits64(rng *r) { return (uint64_t)rng_bits(r) << 32 | rng_bits(r); }
+
+/* ---- Root ---------------------------------------------------------------------------------------- */
+
+static void check_root(uint64_t n)
+{
+    const uint64_t root = edml__root(n);
+    const uint64_t next = root + 1; /* its square is 2^64 for the largest root */
+    TEST_ASSERT_TRUE(root * root <= n);
+    TEST_ASSERT_TRUE(next > UINT32_MAX || next * next > n);
+}
+
+static void roots_of_all_small_numbers(void)
+{
+    for (uint64_t n = 0; n < 1 << 20; n++) check_root(n);
+}
+
+/* Where the root changes: below, at and above squares of every size. */
+static void roots_around_squares(void)
+{
+    rng r = rng_seed(71);
+    for (int bits = 1; bits <= 32; bits++) {
+        for (int n = 0; n < 20000; n++) {
+            const uint64_t root = (rng_bits(&r) | UINT32_C(1) << 31) >> (32 - bits);
+            check_root(root * root - 1);
+            check_root(root * root);
+            check_root(root * root + 2 * root); /* the last one before the next square */
+        }
+    }
+}
+
+static void roots_at_the_ends_and_around_powers_of_two(void)
+{
+    check_root(UINT64_MAX);
+    check_root(UINT64_MAX - 1);
+    check_root((uint64_t)UINT32_MAX * UINT32_MAX);
+    check_root((uint64_t)UINT32_MAX * UINT32_MAX - 1);
+    for (int bit = 0; bit < 64; bit++)
+        for (int offset = -2; offset <= 2; offset++) check_root((UINT64_C(1) << bit) + (uint64_t)offset);
+}
+
+static void roots_of_random_numbers_of_every_size(void)
+{
+    rng r = rng_seed(72);
+    for (int bits = 1; bits <= 64; bits++)
+        for (int n = 0; n < 20000; n++) check_root(bits64(&r) >> (64 - bits));
+}
+
+/* ---- Ratio --------------------------------------------------------------------------------------- */
+
+/* -|b| / 2 < |q b| - |a 2^24| <= |b| / 2: to the nearest, halves away from zero. */
+static void check_ratio(int64_t a, int64_t b)
+{
+    const int64_t q = edml__divide_q24((int32_t)a, (int32_t)b);
+    const int64_t wanted = (a < 0 ? -a : a) << 24;
+    const int64_t error = (q < 0 ? -q : q) * (b < 0 ? -b : b) - wanted;
+    TEST_ASSERT_TRUE(2 * error <= (b < 0 ? -b : b) && -2 * error < (b < 0 ? -b : b));
+    TEST_ASSERT_TRUE(q == 0 || (q < 0) == ((a < 0) != (b < 0)));
+}
+
+static void ratios_of_small_numbers(void)
+{
+    for (int a = -400; a <= 400; a++)
+        for (int b = -400; b <= 400; b++)
+            if (b != 0 && abs(a) < 128 * abs(b)) check_ratio(a, b);
+}
+
+/* Numerators and divisors of every size whose ratio fits. */
+static void ratios_of_random_numbers_of_every_size(void)
+{
+    rng r = rng_seed(73);
+    for (int bits = 1; bits <= 31; bits++) {
+        for (int smaller = 1; smaller <= 31; smaller++) {
+            for (int n = 0; n < 1000; n++) {
+                const int64_t a = rng_bits(&r) >> (32 - bits);
+                const int64_t b = rng_bits(&r) >> (32 - smaller);
+                if (a >= 128 * b) continue;
+                check_ratio(a, b);
+                check_ratio(-a, b);
+                check_ratio(a, -b);
+                check_ratio(-a, -b);
+            }
+        }
+    }
+}
+
+static void ratios_at_the_ends(void)
+{
+    static const int64_t ends[] = {INT32_MIN,     INT32_MIN + 1, INT32_MAX - 1, INT32_MAX, 1 << 30,
+                                   (1 << 30) - 1, (1 << 24) + 1, (1 << 24) - 1, 0xFFFF,    0x10000,
+                                   0x10001,       0x7FFF0000,    0x7FFFFFFE,    1,         -1};
+    for (int i = 0; i < 15; i++) {
+        check_ratio(0, ends[i]);
+        for (int j = 0; j < 15; j++)
+            if (llabs(ends[i]) < 128 * llabs(ends[j])) check_ratio(ends[i], ends[j]);
+    }
+    for (int64_t b = 1; b < 1 << 24; b += 1 + b / 50) /* the largest quotients there are */
+        check_ratio(128 * b - 1, b);
+}
+
+static void halves_go_away_from_zero(void)
+{
+    TEST_ASSERT_EQUAL_INT(1, edml__divide_q24(1, 1 << 25));
+    TEST_ASSERT_EQUAL_INT(-1, edml__divide_q24(-1, 1 << 25));
+    TEST_ASSERT_EQUAL_INT(-1, edml__divide_q24(1, -(1 << 25)));
+    TEST_ASSERT_EQUAL_INT(0, edml__divide_q24(1, (1 << 25) + 1));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(roots_of_all_small_numbers);
+    RUN_TEST(roots_around_squares);
+    RUN_TEST(roots_at_the_ends_and_around_powers_of_two);
+    RUN_TEST(roots_of_random_numbers_of_every_size);
+    RUN_TEST(ratios_of_small_numbers);
+    RUN_TEST(ratios_of_random_numbers_of_every_size);
+    RUN_TEST(ratios_at_the_ends);
+    RUN_TEST(halves_go_away_from_zero);
+    return UNITY_END();
+}

@@ -1,0 +1,252 @@
+/* lift/mds.h: points from distances, and what stopping early costs.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <stdio.h>
+
+#include "as_float.h"
+
+static edml_work work;
+static edml_point x[EDML_JOINTS], y[EDML_JOINTS];
+static float distance[EDML_PAIRS], found[EDML_PAIRS];
+
+static void check_recovers(const edml_point points[EDML_JOINTS])
+{
+    pair_distances(distance, points);
+    edml_mds(x, distance, &work);
+    TEST_ASSERT_ERROR_UP_TO(MDS_TOLERANCE, worst_distance_error(x, distance));
+}
+
+/* ---- Exact distances --------------------------------------------------------------------------- */
+
+static void a_person_comes_back(void)
+{
+    human_pose(y);
+    check_recovers(y);
+}
+
+static void random_people_come_back(void)
+{
+    rng r = rng_seed(21);
+    for (int n = 0; n < 300; n++) {
+        random_human(&r, y);
+        check_recovers(y);
+    }
+}
+
+static void random_points_come_back(void)
+{
+    rng r = rng_seed(22);
+    for (int n = 0; n < 300; n++) {
+        random_points(&r, y, 1);
+        check_recovers(y);
+    }
+}
+
+static void points_in_a_plane_come_back_flat(void)
+{
+    rng r = rng_seed(23);
+    random_points(&r, y, 1);
+    for (int j = 0; j < EDML_JOINTS; j++) y[j].z = 0.3F * y[j].x;
+    check_recovers(y);
+    for (int j = 0; j < EDML_JOINTS; j++) TEST_ASSERT_ERROR_UP_TO(MDS_FLAT_TOLERANCE, x[j].z);
+}
+
+static void points_on_a_line_come_back_straight(void)
+{
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        y[j].x = (float)(j * j) * 0.01F;
+        y[j].y = -2 * y[j].x;
+        y[j].z = y[j].x;
+    }
+    check_recovers(y);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        TEST_ASSERT_ERROR_UP_TO(MDS_FLAT_TOLERANCE, x[j].y);
+        TEST_ASSERT_ERROR_UP_TO(MDS_FLAT_TOLERANCE, x[j].z);
+    }
+}
+
+static void no_distance_gives_points_at_the_origin(void)
+{
+    memset(distance, 0, sizeof distance);
+    edml_mds(x, distance, &work);
+    for (int j = 0; j < EDML_JOINTS; j++) TEST_ASSERT_TRUE(x[j].x == 0 && x[j].y == 0 && x[j].z == 0);
+}
+
+/* Every joint 4 m from every other: the largest the header allows; 13 equal eigenvalues. */
+static void the_largest_distances_give_finite_points(void)
+{
+    for (int n = 0; n < EDML_PAIRS; n++) distance[n] = 4;
+    edml_mds(x, distance, &work);
+    TEST_ASSERT_TRUE(all_finite(x, 3 * EDML_JOINTS));
+    TEST_ASSERT_ERROR_UP_TO(4, worst_distance_error(x, distance));
+}
+
+#ifndef EDML_TEST_Q24 /* whose error is absolute */
+/* The smaller the person, the smaller the error: down to where squares leave float32. */
+static void tiny_people_come_back(void)
+{
+    for (int power = -4; power >= -28; power -= 4) {
+        human_pose(y);
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            y[j].x = ldexpf(y[j].x, power);
+            y[j].y = ldexpf(y[j].y, power);
+            y[j].z = ldexpf(y[j].z, power);
+        }
+        pair_distances(distance, y);
+        edml_mds(x, distance, &work);
+        TEST_ASSERT_ERROR_UP_TO(ldexpf(MDS_TOLERANCE, power), worst_distance_error(x, distance));
+    }
+}
+#endif
+
+/* ---- Frame ------------------------------------------------------------------------------------- */
+
+static void the_centroid_is_the_origin_and_the_axes_are_principal(void)
+{
+    rng r = rng_seed(24);
+    for (int n = 0; n < 50; n++) {
+        random_human(&r, y);
+        check_recovers(y);
+        double sum[3] = {0}, m[3][3] = {{0}};
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            const double p[3] = {(double)x[j].x, (double)x[j].y, (double)x[j].z};
+            for (int k = 0; k < 3; k++) {
+                sum[k] += p[k];
+                for (int l = 0; l < 3; l++) m[k][l] += p[k] * p[l];
+            }
+        }
+        for (int k = 0; k < 3; k++) TEST_ASSERT_ERROR_UP_TO(MDS_CENTROID_TOLERANCE, (float)sum[k]);
+        TEST_ASSERT_ERROR_UP_TO(MDS_AXES_TOLERANCE, (float)m[0][1]);
+        TEST_ASSERT_ERROR_UP_TO(MDS_AXES_TOLERANCE, (float)m[0][2]);
+        TEST_ASSERT_ERROR_UP_TO(MDS_AXES_TOLERANCE, (float)m[1][2]);
+        TEST_ASSERT_TRUE(m[0][0] >= m[1][1] && m[1][1] >= m[2][2]);
+    }
+}
+
+static void turning_moving_and_mirroring_the_person_changes_rounding_only(void)
+{
+    rng r = rng_seed(25);
+    human_pose(y);
+    pair_distances(distance, y);
+    for (int n = 0; n < 50; n++) {
+        edml_point turned[EDML_JOINTS];
+        rotate_points(turned, random_rotation(&r), y);
+        if (n % 2) reflect(turned, turned);
+        for (int j = 0; j < EDML_JOINTS; j++) turned[j].z += 5;
+        pair_distances(found, turned);
+        edml_mds(x, found, &work);
+        TEST_ASSERT_ERROR_UP_TO(MDS_TOLERANCE, worst_distance_error(x, distance));
+    }
+}
+
+static void what_work_memory_held_does_not_matter(void)
+{
+    rng r = rng_seed(26);
+    random_human(&r, y);
+    noisy_distances(&r, distance, y, 0.05F);
+    memset(&work, 0, sizeof work);
+    edml_mds(x, distance, &work);
+    memset(&work, 0xFF, sizeof work);
+    edml_mds(y, distance, &work);
+    TEST_ASSERT_SAME_BYTES(x, y);
+}
+
+/* ---- Stopping early -------------------------------------------------------------------------- */
+
+/* The same points by all eigenpairs of the whole, doubly centred matrix. */
+static void full_mds(edml_point out[EDML_JOINTS], const float d[EDML_PAIRS])
+{
+    static edml_eigen e;
+    double a[EDML_JOINTS][EDML_JOINTS] = {{0}}, mean[EDML_JOINTS] = {0}, all = 0;
+    for (int i = 0; i < EDML_JOINTS; i++) {
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            const double length = i == j ? 0 : (double)d[i < j ? EDML_PAIR(i, j) : EDML_PAIR(j, i)];
+            a[i][j] = -length * length / 2;
+            mean[i] += a[i][j] / EDML_JOINTS;
+            all += a[i][j] / (EDML_JOINTS * EDML_JOINTS);
+        }
+    }
+    edml_matrix gram;
+    for (int i = 0; i < EDML_JOINTS; i++)
+        for (int j = 0; j < EDML_JOINTS; j++) gram.at[i][j] = (float)(a[i][j] - mean[i] - mean[j] + all);
+    edml_jacobi(&e, &gram);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        out[j].x = e.value[0] > 0 ? sqrtf(e.value[0]) * e.vector[0][j] : 0;
+        out[j].y = e.value[1] > 0 ? sqrtf(e.value[1]) * e.vector[1][j] : 0;
+        out[j].z = e.value[2] > 0 ? sqrtf(e.value[2]) * e.vector[2][j] : 0;
+    }
+}
+
+/* Worst and mean difference of a distance, over people with noisy distances. */
+static float early_stop_error(float noise)
+{
+    enum { PEOPLE = 400 };
+    rng r = rng_seed(27);
+    float worst = 0;
+    double sum = 0;
+    for (int n = 0; n < PEOPLE; n++) {
+        random_human(&r, y);
+        noisy_distances(&r, distance, y, noise);
+        full_mds(y, distance);
+        pair_distances(found, y);
+        edml_mds(x, distance, &work);
+        const float error = worst_distance_error(x, found);
+        sum += (double)error / PEOPLE;
+        worst = worse(worst, error);
+    }
+    printf("early stop, distances with %.0f mm of noise: worst %.4f mm, mean of worst %.4f mm\n",
+           1e3 * (double)noise, 1e3 * (double)worst, 1e3 * sum);
+    return worst;
+}
+
+static void stopping_early_costs_next_to_nothing(void)
+{
+    TEST_ASSERT_ERROR_UP_TO(EARLY_STOP_TOLERANCE, early_stop_error(0));
+    TEST_ASSERT_ERROR_UP_TO(EARLY_STOP_TOLERANCE, early_stop_error(0.01F));
+    TEST_ASSERT_ERROR_UP_TO(EARLY_STOP_TOLERANCE, early_stop_error(0.03F));
+    TEST_ASSERT_ERROR_UP_TO(EARLY_STOP_TOLERANCE, early_stop_error(0.1F));
+}
+
+/* Nothing like a person: distances drawn at random, the matrix as indefinite as can be. */
+static void random_distances_give_finite_points(void)
+{
+    rng r = rng_seed(28);
+    for (int n = 0; n < 300; n++) {
+        for (int k = 0; k < EDML_PAIRS; k++) distance[k] = uniform(&r, 0, 4);
+        edml_mds(x, distance, &work);
+        TEST_ASSERT_TRUE(all_finite(x, 3 * EDML_JOINTS));
+    }
+}
+
+static void nan_and_infinity_end_in_finite_time(void)
+{
+    human_pose(y);
+    pair_distances(distance, y);
+    distance[17] = NAN;
+    edml_mds(x, distance, &work);
+    distance[17] = INFINITY;
+    edml_mds(x, distance, &work);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(a_person_comes_back);
+    RUN_TEST(random_people_come_back);
+    RUN_TEST(random_points_come_back);
+    RUN_TEST(points_in_a_plane_come_back_flat);
+    RUN_TEST(points_on_a_line_come_back_straight);
+    RUN_TEST(no_distance_gives_points_at_the_origin);
+    RUN_TEST(the_largest_distances_give_finite_points);
+#ifndef EDML_TEST_Q24
+    RUN_TEST(tiny_people_come_back);
+#endif
+    RUN_TEST(the_centroid_is_the_origin_and_the_axes_are_principal);
+    RUN_TEST(turning_moving_and_mirroring_the_person_changes_rounding_only);
+    RUN_TEST(what_work_memory_held_does_not_matter);
+    RUN_TEST(stopping_early_costs_next_to_nothing);
+    RUN_TEST(random_distances_give_finite_points);
+    RUN_TEST(nan_and_infinity_end_in_finite_time);
+    return UNITY_END();
+}

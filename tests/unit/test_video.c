@@ -1,0 +1,558 @@
+/* optional/video.c: video.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "helpers.h"
+#include "network/model.h" /* to make models that take the wrong mirror image */
+
+enum { FRAME = 33 }; /* ms */
+
+static edml_work work;
+static edml_track track, other;
+static edml_pose pose, again, before;
+static edml_keypoint in[EDML_JOINTS], whole[EDML_JOINTS];
+
+static edml_status run(uint32_t time)
+{
+    return edml_track_lift(&pose, &track, in, time, &edml_fconn_f32, &work, sizeof work);
+}
+
+static edml_status run_other(uint32_t time)
+{
+    return edml_track_lift(&again, &other, in, time, &edml_fconn_f32, &work, sizeof work);
+}
+
+/* Somebody who turns on the spot, steps of 2 degrees. */
+static void see_turned(int steps)
+{
+    static const double c = 0.99939082701909576, s = 0.03489949670250097;
+    rotation3 by = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    for (int n = 0; n < steps; n++) {
+        const double x = by.at[0][0], z = by.at[0][2];
+        by.at[0][0] = c * x - s * z;
+        by.at[0][2] = s * x + c * z;
+    }
+    by.at[2][0] = -by.at[0][2];
+    by.at[2][2] = by.at[0][0];
+    edml_point x[EDML_JOINTS], turned[EDML_JOINTS];
+    human_pose(x);
+    rotate_points(turned, by, x);
+    photograph(in, turned);
+}
+
+static void add_noise(rng *r, float pixels)
+{
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        in[j].x += pixels * gauss(r);
+        in[j].y += pixels * gauss(r);
+    }
+}
+
+static void exchange(int right)
+{
+    for (int r = right; r < right + 3; r++) {
+        const edml_keypoint keypoint = in[r];
+        in[r] = in[r + 3];
+        in[r + 3] = keypoint;
+    }
+}
+
+static void start(void)
+{
+    edml_track_start(&track);
+    edml_track_start(&other);
+    memset(&pose, 0, sizeof pose);
+    memset(&again, 0, sizeof again);
+}
+
+/* ---- Steady input ------------------------------------------------------------------------------- */
+
+static void somebody_who_stands_still_stays_as_lifted(void)
+{
+    start();
+    see_turned(0);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work, sizeof work));
+    for (uint32_t n = 0; n < 40; n++) {
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run(n * FRAME));
+        TEST_ASSERT_EQUAL_MEMORY(again.joint, pose.joint, sizeof pose.joint);
+        TEST_ASSERT_EQUAL_UINT16(ALL_SEEN, pose.seen);
+        TEST_ASSERT_TRUE(pose.residual == again.residual && pose.mirror_margin > 0);
+        TEST_ASSERT_TRUE(!track.held && !track.swapped && !track.mirrored);
+        TEST_ASSERT_EQUAL_UINT32(n == 0 ? 0 : FRAME, track.elapsed);
+    }
+}
+
+static void the_hips_stay_opposite(void)
+{
+    rng r = rng_seed(70);
+    start();
+    for (int n = 0; n < 60; n++) {
+        see_turned(n);
+        add_noise(&r, 5);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        const edml_point a = pose.joint[EDML_R_HIP], b = pose.joint[EDML_L_HIP];
+        TEST_ASSERT_ERROR_UP_TO(ROUNDING, fabsf(a.x + b.x) + fabsf(a.y + b.y) + fabsf(a.z + b.z));
+    }
+}
+
+static void the_image_may_be_of_any_size(void)
+{
+    rng r = rng_seed(71);
+    start();
+    for (int n = 0; n < 60; n++) {
+        see_turned(n);
+        add_noise(&r, 5);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x *= 8;
+            in[j].y *= 8;
+        }
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_other((uint32_t)n * FRAME));
+        TEST_ASSERT_EQUAL_MEMORY(again.joint, pose.joint, sizeof pose.joint);
+    }
+}
+
+/* ---- The filters ------------------------------------------------------------------------------- */
+
+/* Mean second difference of three frames' joints. */
+static double second_difference(edml_pose frame[3])
+{
+    double sum = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const edml_point a = frame[0].joint[j], b = frame[1].joint[j], c = frame[2].joint[j];
+        const edml_point middle = {(a.x + c.x) / 2, (a.y + c.y) / 2, (a.z + c.z) / 2};
+        sum += 2 * distance_between(middle, b) / EDML_JOINTS;
+    }
+    return sum;
+}
+
+static void noise_is_more_than_halved(void)
+{
+    edml_pose alone[3] = {{{{0, 0, 0}}, 0, 0, 0}}, steady[3] = {{{{0, 0, 0}}, 0, 0, 0}};
+    double jitter_alone = 0, jitter = 0;
+    rng r = rng_seed(72);
+    start();
+    for (int n = 0; n < 120; n++) {
+        see_turned(n);
+        add_noise(&r, 5);
+        memmove(alone, alone + 1, 2 * sizeof *alone);
+        memmove(steady, steady + 1, 2 * sizeof *steady);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&alone[2], in, &edml_fconn_f32, &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        steady[2] = pose;
+        if (n < 10) continue;
+        jitter_alone += second_difference(alone);
+        jitter += second_difference(steady);
+    }
+    TEST_ASSERT_TRUE(jitter > 0 && jitter < jitter_alone / 2);
+}
+
+/* The filter of the paper, in double, on one coordinate of the image. */
+typedef struct {
+    double at, rate;
+} moving;
+
+static void filter(moving *joint, double seen, double seconds, double size)
+{
+    const double turn = 2 * 3.14159265358979 * seconds, slow = turn * 4.0; /* the speed's cutoff */
+    joint->rate += slow / (1 + slow) * ((seen - joint->at) / seconds - joint->rate);
+    const double cutoff = (double)track.smooth_image.cutoff +
+                          (double)track.smooth_image.slope * fabs(joint->rate) / size;
+    joint->at += turn * cutoff / (1 + turn * cutoff) * (seen - joint->at);
+}
+
+/* Mean |x| + |y| of the seen joints from their middle. */
+static double size_in_image(void)
+{
+    double x = 0, y = 0, size = 0, count = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) count += in[j].c > 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        if (!(in[j].c > 0)) continue;
+        x += (double)in[j].x / count;
+        y += (double)in[j].y / count;
+    }
+    for (int j = 0; j < EDML_JOINTS; j++)
+        if (in[j].c > 0) size += (fabs((double)in[j].x - x) + fabs((double)in[j].y - y)) / count;
+    return size;
+}
+
+/* Everything moves along the image; in a frame a wrist is missing, and moves as the rest does. */
+static void the_filter_is_the_papers(void)
+{
+    moving rest = {0, 0}, wrist = {0, 0};
+    double missed = 0;
+    uint32_t time = 0;
+    start();
+    track.jitter_full = 0;
+    see_turned(0);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(time));
+    other = track;
+    for (int n = 1; n < 30; n++) {
+        const double seconds = 0.040 + 0.001 * (n % 3), was = rest.at;
+        see_turned(0);
+        for (int j = 0; j < EDML_JOINTS; j++) in[j].x += (float)(n * n);
+        if (n == 15) in[EDML_L_WRIST].c = 0;
+        filter(&rest, n * n, seconds, size_in_image());
+        if (n == 15)
+            wrist.at += rest.at - was;
+        else
+            filter(&wrist, n * n, seconds + missed, size_in_image());
+        missed = n == 15 ? seconds : 0;
+        time += 40 + (uint32_t)n % 3;
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run(time));
+        const float rest_at = track.joint[EDML_NECK_BASE].image.at.x -
+                              other.joint[EDML_NECK_BASE].image.at.x;
+        const float wrist_at = track.joint[EDML_L_WRIST].image.at.x - other.joint[EDML_L_WRIST].image.at.x;
+        TEST_ASSERT_FLOAT_WITHIN(0.01F, (float)rest.at, rest_at);
+        TEST_ASSERT_FLOAT_WITHIN(0.01F, (float)wrist.at, wrist_at);
+    }
+}
+
+/* Mean distance of a moving person's poses, in metres, from those of each frame alone. */
+static double lag_of(float noise, float pixels)
+{
+    double sum = 0;
+    rng r = rng_seed(74);
+    start();
+    track.jitter_full = noise;
+    for (int n = 0; n < 60; n++) {
+        see_turned(n);
+        add_noise(&r, pixels);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        for (int j = 0; j < EDML_JOINTS; j++)
+            sum += distance_between(again.joint[j], pose.joint[j]) / (60 * EDML_JOINTS);
+    }
+    return sum;
+}
+
+static void steady_keypoints_are_filtered_less(void)
+{
+    edml_track_start(&track);
+    const float noise = track.jitter_full;
+    const double steady = lag_of(noise, 0);
+    TEST_ASSERT_TRUE(track.jitter > 0 && track.jitter < noise / 2);
+    TEST_ASSERT_TRUE(steady < lag_of(0, 0) / 2);
+    const double noisy = lag_of(noise, 20);
+    TEST_ASSERT_TRUE(track.jitter > noise);
+    TEST_ASSERT_TRUE(noisy > 0.9 * lag_of(0, 20));
+}
+
+/* Half a turn a second, as 15 frames show it. */
+static void motion_is_not_taken_for_noise(void)
+{
+    start();
+    for (int n = 0; n < 60; n++) {
+        see_turned(6 * n);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * 2 * FRAME));
+        TEST_ASSERT_TRUE(n < 15 || track.jitter < track.jitter_full / 20);
+    }
+}
+
+static void without_filters_frames_are_as_lifted(void)
+{
+    rng r = rng_seed(73);
+    start();
+    track.smooth_image.cutoff = track.smooth_space.cutoff = HUGE_VALF;
+    for (int n = 0; n < 30; n++) {
+        see_turned(n);
+        add_noise(&r, 2);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        TEST_ASSERT_ERROR_UP_TO(0.0001F, worst_joint_error(again.joint, pose.joint));
+    }
+}
+
+/* ---- Right and left ----------------------------------------------------------------------------- */
+
+/* With some limbs exchanged in three frames, the poses are those of a video without. */
+static void check_exchange(int kind, int missing)
+{
+    start();
+    for (int n = 0; n < 40; n++) {
+        const int wrong = n >= 20 && n < 23;
+        see_turned(n / 2);
+        if (missing && n >= 15) in[EDML_L_WRIST].c = in[EDML_R_KNEE].c = 0;
+        memcpy(whole, in, sizeof whole);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_other((uint32_t)n * FRAME));
+        if (wrong && (kind & EDML_SWAPPED_ARMS)) exchange(EDML_R_SHOULDER);
+        if (wrong && (kind & EDML_SWAPPED_LEGS)) exchange(EDML_R_HIP);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        TEST_ASSERT_EQUAL_UINT8(wrong ? kind : 0, track.swapped);
+        TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose); /* and what was seen */
+        edml_track_swap_sides(in, &track);
+        TEST_ASSERT_EQUAL_MEMORY(whole, in, sizeof in);
+    }
+}
+
+static void exchanges_are_undone(void)
+{
+    for (int kind = 1; kind <= 3; kind++) {
+        check_exchange(kind, 0);
+        check_exchange(kind, 1);
+    }
+}
+
+static void a_turn_is_not_undone(void)
+{
+    for (int steps = 1; steps <= 6; steps++) { /* a frame: up to a turn a second */
+        start();
+        for (int n = 0; n < 120; n++) {
+            see_turned(steps * n);
+            TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+            TEST_ASSERT_EQUAL_UINT8(0, track.swapped);
+        }
+    }
+}
+
+static void what_lasts_is_no_exchange(void)
+{
+    int undone = 0;
+    start();
+    for (int n = 0; n < 60; n++) {
+        see_turned(0);
+        if (n >= 20) exchange(EDML_R_HIP);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        if (track.swapped) undone++;
+        TEST_ASSERT_TRUE(track.swapped == 0 || (n >= 20 && n < 20 + 500 / FRAME));
+        if (track.swapped) exchange(EDML_R_HIP);
+        for (int j = 0; j < EDML_JOINTS; j++) /* none on its way between right and left */
+            TEST_ASSERT_FLOAT_WITHIN(0.01F, in[j].x, track.joint[j].image.at.x);
+    }
+    TEST_ASSERT_TRUE(undone * FRAME >= 250);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work, sizeof work));
+    TEST_ASSERT_ERROR_UP_TO(0.005F, worst_joint_error(again.joint, pose.joint));
+}
+
+/* ---- The mirror image ---------------------------------------------------------------------------- */
+
+/* A model that takes the mirror image, if `right` is 0, with a tenth of the margin; it does not blend, so
+ * mirror images differ in nothing but the sign of depth. */
+static edml_model doubtful_model(int right)
+{
+    edml_model model = edml_fconn_f32;
+    for (int n = 0; n < 5; n++) model.mirror[n].f32 *= right ? 0.1F : -0.1F;
+    model.fusion[0].f32 = 0;
+    return model;
+}
+
+static void a_mirror_image_is_taken_only_if_it_persists(void)
+{
+    const edml_model good = doubtful_model(1), bad = doubtful_model(0);
+    int overruled = 0;
+    float margin = 0;
+    start();
+    for (int n = 0; n < 120; n++) {
+        const int wrong = (n >= 30 && n < 32) || n >= 60;
+        see_turned(15);
+        const edml_model *model = wrong ? &bad : &good;
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, model, &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(
+            EDML_OK, edml_track_lift(&pose, &track, in, (uint32_t)n * FRAME, model, &work, sizeof work));
+        if (n < 60) TEST_ASSERT_EQUAL_UINT8(wrong, track.mirrored);
+        if (n == 29) before = pose;
+        if (n > 29 && n < 60) TEST_ASSERT_ERROR_UP_TO(0.0001F, worst_joint_error(before.joint, pose.joint));
+        if (n >= 60) overruled += track.mirrored;
+        if (!track.mirrored) TEST_ASSERT_ERROR_UP_TO(0.0001F, worst_joint_error(again.joint, pose.joint));
+        TEST_ASSERT_TRUE(pose.mirror_margin >= 0 && pose.mirror_margin <= 6);
+        if (n >= 60 && n == 60 + overruled) /* the other one has won, by what this frame has more */
+            TEST_ASSERT_FLOAT_WITHIN(1e-5F, again.mirror_margin, pose.mirror_margin + margin);
+        else
+            TEST_ASSERT_EQUAL_INT(track.mirrored, n > 0 && pose.mirror_margin < margin);
+        margin = pose.mirror_margin;
+    }
+    TEST_ASSERT_TRUE(overruled >= 5 && overruled < 40);
+}
+
+/* ---- Missing joints ------------------------------------------------------------------------------ */
+
+static void a_missing_joint_is_held_for_300_ms(void)
+{
+    const uint16_t wrist = 1 << EDML_R_WRIST;
+    start();
+    for (int n = 0; n < 20; n++) {
+        const int missing = n >= 10 && n < 16;
+        const int held = missing && n <= 12;
+        see_turned(0);
+        if (missing) in[EDML_R_WRIST].c = 0;
+        if (missing) in[EDML_R_WRIST].x = NAN; /* is not looked at */
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * 100));
+        TEST_ASSERT_EQUAL_UINT16(held ? wrist : 0, track.held);
+        TEST_ASSERT_EQUAL_UINT16(missing ? ALL_SEEN & ~wrist : ALL_SEEN, pose.seen);
+        if (n == 9) before = pose;
+        if (n >= 9 && (held || !missing) && n < 16)
+            TEST_ASSERT_EQUAL_MEMORY(before.joint, pose.joint, sizeof pose.joint);
+    }
+}
+
+static void a_held_joint_moves_along(void)
+{
+    start();
+    for (int n = 0; n < 15; n++) {
+        see_turned(0);
+        for (int j = 0; j < EDML_JOINTS; j++) in[j].x += 3 * (float)n;
+        if (n >= 10) in[EDML_L_ANKLE].c = 0;
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        const float leg = track.joint[EDML_L_ANKLE].image.at.x - track.joint[EDML_L_KNEE].image.at.x;
+        TEST_ASSERT_FLOAT_WITHIN(1, in[EDML_L_ANKLE].x - in[EDML_L_KNEE].x, leg);
+    }
+}
+
+static void holding_does_not_make_up_a_person(void)
+{
+    start();
+    see_turned(0);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(0));
+    for (int j = 0; j < 7; j++) in[j].c = 0;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(100)); /* 7 seen, 7 held */
+    TEST_ASSERT_EQUAL_UINT16(0x7F, track.held);
+    in[7].c = 0;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_TOO_FEW_JOINTS, run(200));
+    in[7].c = 1;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_TOO_FEW_JOINTS, run(401)); /* too few for the lift */
+}
+
+/* ---- Time ---------------------------------------------------------------------------------------- */
+
+static void time_does_not_run_backwards(void)
+{
+    start();
+    see_turned(0);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(1000));
+    see_turned(1);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(1033));
+    other = track;
+    again = pose;
+    const uint32_t wrong[] = {1033, 1032, 1000, 0, UINT32_MAX, 1033 - UINT32_MAX / 2};
+    for (unsigned n = 0; n < sizeof wrong / sizeof *wrong; n++) {
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_TIME, run(wrong[n]));
+        TEST_ASSERT_EQUAL_MEMORY(&other, &track, sizeof track);
+        TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
+    }
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(1034));
+}
+
+static void a_gap_starts_anew(void)
+{
+    for (uint32_t gap = 1000; gap <= 1001; gap++) {
+        start();
+        see_turned(0);
+        for (uint32_t n = 0; n < 10; n++) TEST_ASSERT_EQUAL_INT(EDML_OK, run(n * FRAME));
+        see_turned(20);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run(9 * FRAME + gap));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_other(7));
+        TEST_ASSERT_EQUAL_UINT32(gap == 1000 ? 1000 : 0, track.elapsed);
+        TEST_ASSERT_EQUAL_INT(gap == 1001, memcmp(&again, &pose, sizeof pose) == 0);
+    }
+}
+
+static void the_clock_may_run_over_its_end(void)
+{
+    rng r = rng_seed(74);
+    start();
+    for (uint32_t n = 0; n < 30; n++) {
+        see_turned((int)n);
+        add_noise(&r, 3);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run(n * FRAME));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_other(n * FRAME - 400));
+        TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
+    }
+}
+
+/* ---- Bad frames ---------------------------------------------------------------------------------- */
+
+/* Frames that are refused leave track and pose as they were, and the next ones do not see them. */
+static void bad_frames_leave_no_trace(void)
+{
+    rng r = rng_seed(75);
+    start();
+    for (int n = 0; n < 30; n++) {
+        see_turned(n);
+        add_noise(&r, 3);
+        memcpy(whole, in, sizeof in);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_other((uint32_t)n * FRAME));
+        TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
+        const edml_track kept = track;
+        in[n % EDML_JOINTS].y = n % 2 ? NAN : HUGE_VALF;
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, run((uint32_t)n * FRAME + 10));
+        for (int j = 0; j < EDML_JOINTS; j++) in[j].x = in[j].y = 7;
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, run((uint32_t)n * FRAME + 10));
+        memcpy(in, whole, sizeof in);
+        in[3].c = NAN;
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_NOT_FINITE, run((uint32_t)n * FRAME + 10));
+        TEST_ASSERT_EQUAL_MEMORY(&kept, &track, sizeof track);
+        TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
+    }
+}
+
+/* A detection that is finite and absurd: whatever it gets, a second later all is well. */
+static void an_absurd_frame_is_got_over(void)
+{
+    const float sizes[] = {1e-30F, 1e-6F, 1e6F, 1e18F, 1e25F, 1e37F};
+    for (unsigned k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+        start();
+        for (uint32_t n = 0; n < 100; n++) {
+            see_turned((int)n);
+            for (int j = 0; j < EDML_JOINTS && n == 20; j++) {
+                in[j].x *= sizes[k] / 512;
+                in[j].y *= sizes[k] / 512;
+            }
+            const edml_status status = run(n * FRAME);
+            TEST_ASSERT_TRUE(all_finite(pose.joint, 3 * EDML_JOINTS));
+            if (n < 20 || n > 55) TEST_ASSERT_EQUAL_INT(EDML_OK, status);
+        }
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, &edml_fconn_f32, &work, sizeof work));
+        TEST_ASSERT_ERROR_UP_TO(0.1F, worst_joint_error(again.joint, pose.joint));
+    }
+}
+
+static void a_track_that_was_not_started_and_bad_settings_are_refused(void)
+{
+    static const edml_smoothing bad[] = {{0, 1}, {-1, 1}, {NAN, 1}, {1, -1}, {1, NAN}, {1, INFINITY}};
+    see_turned(0);
+    memset(&track, 0, sizeof track);
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
+    memset(&track, 0xFF, sizeof track);
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
+    for (int n = 0; n < 6; n++) {
+        start();
+        track.smooth_image = bad[n];
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
+        start();
+        track.smooth_space = bad[n];
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
+    }
+    start();
+    track.jitter_full = -1;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
+    start();
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(0));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(somebody_who_stands_still_stays_as_lifted);
+    RUN_TEST(the_hips_stay_opposite);
+    RUN_TEST(the_image_may_be_of_any_size);
+    RUN_TEST(noise_is_more_than_halved);
+    RUN_TEST(the_filter_is_the_papers);
+    RUN_TEST(steady_keypoints_are_filtered_less);
+    RUN_TEST(motion_is_not_taken_for_noise);
+    RUN_TEST(without_filters_frames_are_as_lifted);
+    RUN_TEST(exchanges_are_undone);
+    RUN_TEST(a_turn_is_not_undone);
+    RUN_TEST(what_lasts_is_no_exchange);
+    RUN_TEST(a_mirror_image_is_taken_only_if_it_persists);
+    RUN_TEST(a_missing_joint_is_held_for_300_ms);
+    RUN_TEST(a_held_joint_moves_along);
+    RUN_TEST(holding_does_not_make_up_a_person);
+    RUN_TEST(time_does_not_run_backwards);
+    RUN_TEST(a_gap_starts_anew);
+    RUN_TEST(the_clock_may_run_over_its_end);
+    RUN_TEST(bad_frames_leave_no_trace);
+    RUN_TEST(an_absurd_frame_is_got_over);
+    RUN_TEST(a_track_that_was_not_started_and_bad_settings_are_refused);
+    return UNITY_END();
+}
