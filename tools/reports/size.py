@@ -49,7 +49,7 @@ FCONV = {  # a table of its own: a lift is 20 million instructions and more
     ("cortex-m4f", "w8"): ["-DMODEL=edml_fconv_w8", "-DFCONV"],
     ("cortex-m3", "fixed w8"): ["-DMODEL=edml_fconv_w8", "-DFCONV", "-DFIXED"],
 }
-FCONV_COLUMNS = ("core", "variant", "code", "weights", "work", "stack", "net", "lift")
+FCONV_COLUMNS = ("core", "variant", "code", "weights", "work", "stack", "predict", "lift")
 SUMMARY = [  # the chip; core and variant of the figures; call; model; its errors in the manifest
     ("FPU, such as Cortex-M4F, M7, M33, M55", "Cortex-M4F", "w16", "lift", "w16", "metrics_w16"),
     ("FPU, little flash", "Cortex-M4F", "w8", "lift", "w8", "metrics_w8"),
@@ -73,7 +73,7 @@ class Cost:
     place_stack: int  # of edml_place, which is no part of the lift
     edm: int
     impute: int  # the same, of a pose without knees and ankles
-    net: int
+    predict: int
     mds: int
     mirror: int
     orient: int
@@ -112,7 +112,7 @@ def measure_variant(
         f"-Wl,--entry=main,-Map={link_map}", library=library,
     )  # fmt: skip
     symbols = run(f"{target.system.cross}nm", "--print-size", "--radix=d", smallest)
-    work = int(re.search(r"\d+ (\d+) b (?:fconv_)?work\n", symbols)[1])
+    work = int(re.search(r"\d+ (\d+) b work\n", symbols)[1])
     bench = build(
         BENCH / "target.c", target, LEVEL, folder / "bench.elf", *options,
         f"-DCOUNTS_PER_1000={target.counts}", library=library,
@@ -267,7 +267,7 @@ def check_fconv(measured: list[Cost]) -> None:
     for row, cost in zip(rows, measured, strict=True):
         for name, cell in zip(FCONV_COLUMNS, row.strip("|").split("|"), strict=True):
             old, new = cell.strip().replace(",", ""), getattr(cost, name)
-            exact = name not in ("net", "lift")
+            exact = name not in ("predict", "lift")
             if old != str(new) and (exact or abs(int(old) - new) > SLACK * new):
                 raise Disagreement(f"FConv, {cost.core}, {name}: written {old}, measured {new}")
 
