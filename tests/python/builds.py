@@ -1,4 +1,4 @@
-"""Skips for tests that build programs; how to build them is in tools/firmware.py."""
+"""Skips for tests that build programs; how to build them is in tools/reports/targets.py."""
 
 import shutil
 import subprocess
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-import firmware
+from reports import targets
 
 
 def need(*programs: str) -> None:
@@ -16,7 +16,7 @@ def need(*programs: str) -> None:
             pytest.skip(f"no {program}")
 
 
-def need_cross_compiler(target: firmware.Target) -> None:
+def need_cross_compiler(target: targets.Target) -> None:
     """Skips the test where the core's compiler or its C library is missing."""
     compiler = f"{target.system.cross}gcc"
     need(compiler)
@@ -25,15 +25,15 @@ def need_cross_compiler(target: firmware.Target) -> None:
         pytest.skip(f"no picolibc for {compiler}")
 
 
-def need_core(target: firmware.Target) -> None:
+def need_core(target: targets.Target) -> None:
     """Skips the test where the core's compiler or emulator is missing."""
     need_cross_compiler(target)
     need(target.system.qemu[0])
 
 
-def run_firmware(program: Path, target: firmware.Target, folder: Path) -> str:
+def run_firmware(program: Path, target: targets.Target, folder: Path) -> str:
     """What a program prints on an emulated board."""
     need_core(target)
     image = folder / f"{program.stem}.elf"
-    firmware.build(program, target, "-O2", image, library=firmware.SOURCES)
-    return firmware.emulate(image, target)
+    targets.build(program, target, "-O2", image, library=targets.SOURCES)
+    return targets.emulate(image, target)

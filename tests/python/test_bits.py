@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from builds import need, need_cross_compiler, run_firmware
 
-from firmware import INCLUDES, ROOT, SOURCES, TARGETS, library_flags, run
+from reports.targets import INCLUDES, ROOT, SOURCES, TARGETS, library_flags, run
 
 PROGRAM = ROOT / "tests" / "targets" / "bits.c"
 EXPECTED = (ROOT / "tests" / "bits.txt").read_text()  # of gcc -O0 on x86-64; by make_tables

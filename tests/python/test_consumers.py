@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from builds import need
 
-from firmware import INCLUDES, ROOT, SOURCES, ToolError, library_flags, run
+from reports.targets import INCLUDES, ROOT, SOURCES, ToolError, library_flags, run
 
 CONSUMER = ROOT / "tests" / "install"
 SAID = "ok left_ankle\n"
@@ -124,28 +124,6 @@ def test_the_headers_stand_alone_without_a_warning(command: str, tmp_path: Path)
     program.write_text("".join(f'#include "{header}"\n' for header in [*headers, *headers]))
     warnings = "-pedantic -Wall -Wextra -Wconversion -Wshadow -Werror".split()
     run(compiler, *options, *warnings, f"-I{ROOT / 'include'}", "-fsyntax-only", program)
-
-
-def test_the_program_of_the_readme(tmp_path: Path) -> None:
-    """Its first block of C compiles without a warning, runs, and is examples/lift.c."""
-    readme = ROOT / "README.md"
-    if not readme.exists():
-        pytest.skip("no README.md yet")
-    need("gcc")
-    block = re.search(r"^```c\n(.*?)^```$", readme.read_text("utf-8"), re.M | re.S)
-    assert block, "README.md has no block of C"
-    program = tmp_path / "lift.c"
-    program.write_text(block[1], "utf-8")
-    assert program.read_bytes() == (ROOT / "examples" / "lift.c").read_bytes()
-    objects = []
-    for source in SOURCES:
-        objects.append(tmp_path / f"{len(objects)}.o")
-        run("gcc", *library_flags(), "-O1", f"-I{ROOT / 'include'}", f"-I{ROOT / 'lib'}",
-            "-c", source, "-o", objects[-1])  # fmt: skip
-    run("gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'include'}", program,
-        *objects, "-lm", "-o", tmp_path / "lift")  # fmt: skip
-    lines = run(tmp_path / "lift").splitlines()
-    assert len(lines) >= 14 and lines[0].startswith("head")
 
 
 ADAPTING = """#include "edmlift.h"

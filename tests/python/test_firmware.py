@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from builds import need, need_core
 
-from firmware import ROOT, SOURCES, TARGETS, Target, build, emulate, run
+from reports.targets import ROOT, SOURCES, TARGETS, Target, build, emulate, run
 
 EXAMPLE = ROOT / "examples" / "firmware"
 VARIANTS = ["float", "fixed"]

@@ -5,7 +5,7 @@ import re
 import pytest
 from builds import need, need_cross_compiler
 
-from firmware import INCLUDES, SOURCES, TARGETS, compiler, library_flags, run
+from reports.targets import INCLUDES, SOURCES, TARGETS, compiler, library_flags, run
 
 # Arithmetic that a processor lacks: the compiler's own helpers.
 HELPERS = re.compile(r"__aeabi_\w+|__gnu_thumb1_\w+|__[a-z]+?([sd][if]){1,2}\d?")

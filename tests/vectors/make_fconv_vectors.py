@@ -12,9 +12,9 @@ import numpy as np
 FOLDER = Path(__file__).resolve().parent
 sys.path.insert(0, str(FOLDER.parents[1] / "tools"))
 
-import reference  # noqa: E402
-from fconv_weights import NAMES, PLAN, UP_ORDER  # noqa: E402
-from quantise import ACTIVATION, FARTHEST, Dense, run  # noqa: E402
+from export.fconv import NAMES, PLAN, UP_ORDER  # noqa: E402
+from export.quantise import ACTIVATION, FARTHEST, Dense, run  # noqa: E402
+from model import reference  # noqa: E402
 
 # As fconv_tiny.h has them: inputs' and outputs' channels, and the scale of the weights.
 LAYERS = ((1, 8, 9), (8, 16, 10), (16, 8, 10), (8, 16, 9), (16, 1, 11))
@@ -53,14 +53,14 @@ def tiny_network() -> list[Dense]:
         bias = draws.draw(outputs) * (1 << 2 + scale)
         if last:
             bias[0] = 3 << 10 + scale
-        shift, most = (33 + scale - 24, FARTHEST) if last else (20 + scale, ACTIVATION)
-        factor = np.full(outputs, 1 << 20)
-        network.append(Dense(kernel.reshape(-1, outputs), bias, factor, shift, most))
+        shift, clamp = (33 + scale - 24, FARTHEST) if last else (20 + scale, ACTIVATION)
+        multiplier = np.full(outputs, 1 << 20)
+        network.append(Dense(kernel.reshape(-1, outputs), bias, multiplier, shift, clamp))
     return network
 
 
 def as_floats(network: list[Dense]) -> dict[str, np.ndarray]:
-    """The same network as tools/reference.py takes it."""
+    """The same network as tools/model/reference.py takes it."""
     params = {}
     for name, (channels, outputs, scale), dense in zip(NAMES, LAYERS, network, strict=True):
         shape = (channels,) if name == "conv3" else (7, 7, channels, outputs)

@@ -1,0 +1,42 @@
+"""Made-up motion for tests: a standing person, and noise around it."""
+
+from pathlib import Path
+
+import numpy as np
+
+from data.mocap import Motion
+from edmlift.joints import JOINTS
+
+STANDING = np.zeros((14, 3))
+STANDING[:, 1] = [1.7, 1.45, 1.4, 1.1, 0.85, 1.4, 1.1, 0.85, 0.9, 0.5, 0.1, 0.9, 0.5, 0.1]
+STANDING[:, 0] = [0, 0, -0.2, -0.25, -0.3, 0.2, 0.25, 0.3, -0.1, -0.1, -0.1, 0.1, 0.1, 0.1]
+STANDING[:, 2] = [0, 0, 0, -0.05, 0.1, 0, -0.05, 0.1, 0, 0.05, -0.05, 0, 0.05, -0.05]
+
+
+def people(count: int = 400) -> Motion:
+    rng = np.random.default_rng(0)
+    joints = STANDING + rng.normal(0, 0.05, (count, 14, 3))
+    numbers = np.arange(count)
+    return Motion(
+        joints=joints.astype(np.float32),
+        subject=numbers % 4 + 1,
+        trial=numbers * 0,
+        frame=numbers,
+        action=numbers * 0 - 1,
+        action_names=(),
+        source="made up",
+    )
+
+
+def write_motion(path: Path, motion: Motion) -> Path:
+    np.savez(
+        path,
+        joints=motion.joints,
+        subject=motion.subject,
+        trial=motion.trial,
+        frame=motion.frame,
+        joint_names=np.array(JOINTS),
+        up="y",
+        unit="m",
+    )
+    return path

@@ -1,0 +1,33 @@
+"""The evaluations by name: what `python tools/evaluate.py` can measure."""
+
+from evaluation import (
+    accuracy,
+    adapters,
+    body,
+    camera,
+    command,
+    detections,
+    h36m,
+    mirror,
+    reproject,
+    scaling,
+    video,
+)
+
+EVALUATIONS = {
+    "accuracy": accuracy.EVALUATION,
+    "adapters": adapters.EVALUATION,
+    "body": body.EVALUATION,
+    "camera": camera.EVALUATION,
+    "detections": detections.EVALUATION,
+    "h36m": h36m.EVALUATION,
+    "mirror": mirror.EVALUATION,
+    "reproject": reproject.EVALUATION,
+    "scaling": scaling.EVALUATION,
+    "video": video.EVALUATION,
+}
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Exit status 0, or 1 with one line on stderr."""
+    return command.run(EVALUATIONS, arguments)

@@ -1,0 +1,42 @@
+"""Runs a program of the research tools by the name of its file.
+
+    python tools/run.py                                    lists them
+    python tools/run.py data.mocap FOLDER --out FILE.npz   tools/data/mocap.py
+    python tools/run.py fitting.adapters --help
+"""
+
+import ast
+import runpy
+import sys
+from pathlib import Path
+
+TOOLS = Path(__file__).resolve().parent
+FOLDERS = ("data", "training", "fitting", "evaluation", "reports", "experiments")
+
+
+def programs() -> dict[str, str]:
+    """First line of the docstring of each module that has a main(), by its name."""
+    found = {}
+    for path in sorted(p for folder in FOLDERS for p in (TOOLS / folder).glob("*.py")):
+        tree = ast.parse(path.read_text("utf-8"))
+        if any(isinstance(node, ast.FunctionDef) and node.name == "main" for node in tree.body):
+            about = (ast.get_docstring(tree) or "").partition("\n")[0]
+            found[f"{path.parent.name}.{path.stem}"] = about
+    return found
+
+
+def main() -> int:
+    known = programs()
+    if len(sys.argv) < 2 or sys.argv[1] not in known:
+        width = max(map(len, known))
+        lines = "\n".join(f"  {name:<{width}}  {about}" for name, about in known.items())
+        print(f"usage: run.py PROGRAM ...\n\n{lines}", file=sys.stderr)
+        return 1
+    name = sys.argv.pop(1)
+    sys.argv[0] = f"{name.rpartition('.')[2]}"
+    runpy.run_module(name, run_name="__main__", alter_sys=False)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,80 @@
+"""Recipes: everything that decides the weights of a network, besides the motion and the seed."""
+
+import dataclasses
+
+MAX_MISSING = 4  # most joints hidden in training: the lift refuses more
+
+
+@dataclasses.dataclass(frozen=True)
+class Recipe:
+    """How a lifter is trained; ours is the default."""
+
+    network: str = "equivariant"  # one of loss.NETWORKS
+    l2_epochs: int = 20  # epochs of plain L2 on the distances ...
+    mds_epochs: int = 1780  # ... then epochs on the joint error behind the MDS
+    batch: int = 64
+    rate: float = 1e-3
+    drop_rate_at: float = 0.0  # share of the epochs when the rate falls to a tenth; 0: cosine
+    clip: float = 0.5  # global norm of the gradient
+    distance_weight: float = 0.5  # of the mean squared distance error, m^2, beside the joint error
+    rigid: float = 0.7  # share of the joint error after rigid alignment; the rest in camera axes
+    average: float = 0.999  # the saved weights are an exponential moving average; 0: the last ones
+    dropout: float = 0.0
+    iid: float = 0.5  # share of the poses with iid noise; the others get a detector's
+    noise: float = 20.0  # pixels: iid noise is drawn with sigma up to this
+    detector: float = 1.5  # detector-like noise is drawn up to this scale
+    least: float = 0.0  # share of either that every pose gets
+    bodies: bool = True  # vary height and proportions
+    masks: bool = True  # hide joints
+    impute: bool = True  # hidden joints are at their conditional mean (gen/imputation.h), not zero
+    flip: bool = True  # mirror half of the motion, so that people are left-handed as often
+    mix: float = 0.3  # share of the poses with the arms of another one, and with the legs
+    adapted: float = 0.25  # share of the poses whose head and neck are an adapter's
+    fuse: bool = True  # the joint error is that behind the orient and fuse stages, not the MDS
+    balance: float = 0.5  # a subject with n poses is drawn in proportion to n^(1 - balance)
+
+    @property
+    def epochs(self) -> int:
+        """Of both phases."""
+        return self.l2_epochs + self.mds_epochs
+
+
+RECIPES = {
+    "mds": Recipe(),
+    "fconv": Recipe(network="fconv", l2_epochs=5, mds_epochs=25, rigid=1.0),
+    "l2": Recipe(l2_epochs=1800, mds_epochs=0, fuse=False, rigid=1.0),
+    # Section 3.2 of the paper: L2, Adam, batches of 200, dropout 0.5, 500 epochs, the rate
+    # divided by ten after 250; no noise or occlusion unless asked for.
+    "paper": Recipe(
+        network="fconn",
+        l2_epochs=500,
+        mds_epochs=0,
+        batch=200,
+        rate=1e-3,
+        drop_rate_at=0.5,
+        clip=0.0,
+        rigid=1.0,
+        average=0.0,
+        dropout=0.5,
+        noise=0.0,
+        detector=0.0,
+        bodies=False,
+        masks=False,
+        impute=False,
+        flip=False,
+        mix=0.0,
+        adapted=0.0,
+        fuse=False,
+        balance=0.0,
+    ),
+}
+
+
+def scale_epochs(recipe: Recipe, epochs: int | None) -> Recipe:
+    """The recipe with its epochs scaled to a total; None: as it is."""
+    if epochs is None:
+        return recipe
+    l2 = round(epochs * recipe.l2_epochs / recipe.epochs)
+    if recipe.mds_epochs > 0:
+        l2 = max(l2, epochs // 6)  # few as they are, they must get the MDS near enough
+    return dataclasses.replace(recipe, l2_epochs=l2, mds_epochs=epochs - l2)
