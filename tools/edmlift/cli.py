@@ -107,7 +107,7 @@ def _add_draw(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         help="draw 2D poses beside the 3D ones lifted from them",
         description="Draws 2D poses beside the 3D ones lifted from them: a .png has a column a\n"
         "pose, each from the camera, the side and above; a .gif the sequence beside the figure,\n"
-        "which turns.  With --truth, the mean errors are printed as well.",
+        "which rotates.  With --truth, the mean errors are printed as well.",
         epilog=_DOCUMENTATION,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
