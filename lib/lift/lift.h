@@ -32,7 +32,7 @@ edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], cons
     edml_refine(work->x, work->distance, (edml_objective)model->objective, model->refine_steps, work);
     const real residual = SQRT(edml_stress(work->x, work->distance, EDML_STRESS_RAW));
     const real margin = edml_mirror(work->x, model);
-    status = edml_orient(work->x, in, seen);
+    status = orient_points(work->x, in, seen);
     if (status != EDML_OK) return status;
     edml_fuse(work->x, in, seen, model);
     for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j] = api_point(work->x[j]);

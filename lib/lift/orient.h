@@ -159,7 +159,9 @@ static EDML_NOINLINE void to_camera_axes(point x[EDML_JOINTS], const point *righ
     }
 }
 
-edml_status edml_orient(point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen)
+/* As edml_orient(). */
+static EDML_NOINLINE edml_status orient_points(point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS],
+                                               uint16_t seen)
 {
     moments m;
     point right, down;
@@ -172,6 +174,12 @@ edml_status edml_orient(point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS
     to_camera_axes(x, &right, &down);
     move_origin_to_mid_hip(x);
     return EDML_OK;
+}
+
+edml_status edml_orient(point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen)
+{
+    if (x == NULL || in == NULL) return EDML_ERR_ARGUMENT;
+    return orient_points(x, in, seen);
 }
 
 #endif
