@@ -19,7 +19,7 @@ class Tracked(Poses):
     what was seen in this frame, mirror_margin what all frames so far say, at most 6."""
 
     held: NDArray[np.bool_]  # [F,14] not seen in this frame, but lately
-    swapped: NDArray[np.bool_]  # [F,2] the detector had exchanged right and left arm; leg
+    swapped: NDArray[np.bool_]  # [F,2] the detector had swapped right and left arm; leg
     mirrored: NDArray[np.bool_]  # [F] not the mirror image that this frame alone would give
     elapsed: NDArray[np.uint32]  # [F] ms since the frame before; 0 at a start
 
