@@ -977,7 +977,8 @@ def test_a_bad_line_is_a_frame_of_the_track():
     lines = [text(pose) for pose in WALK[:6]]
     lines[3] = "nonsense"
     table = rows(run("# c\n\n" + "\n".join(lines), "--track=10"))
-    tracked = edmlift.Library().track().lift(WALK[[0, 1, 2, 4, 5]], np.array([0, 100, 200, 400, 500]))
+    times = np.array([0, 100, 200, 400, 500])
+    tracked = edmlift.Library().track().lift(WALK[[0, 1, 2, 4, 5]], times)
     assert statuses(table) == ["ok"] * 3 + ["bad_line"] + ["ok"] * 2
     joints = np.array([numbers(row)[:42] for row in table if row[0] == "ok"]).reshape(-1, 14, 3)
     np.testing.assert_allclose(joints, tracked.joints, rtol=1e-5, atol=1e-5)
