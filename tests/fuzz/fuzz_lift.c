@@ -241,7 +241,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 }
 
 #ifndef EDML_LIBFUZZER
-/* A person somewhere in the image, of which every coordinate is off by up to `spread` tenths. */
+/* A person somewhere in the image; every coordinate is off by up to `spread` tenths. */
 static void near_a_person(uint8_t data[INPUT_BYTES], uint32_t bits[], int n)
 {
     static const int x[] = {0, 0, -36, -50, -44, 36, 54, 48, -26, -30, -32, 26, 30, 34};

@@ -23,8 +23,8 @@ uint32_t rng_bits(rng *r)
 
 float uniform(rng *r, float low, float high)
 {
-    const float share = (float)(rng_bits(r) >> 8) / 16777216.0F;
-    return low + (high - low) * share;
+    const float part = (float)(rng_bits(r) >> 8) / 16777216.0F;
+    return low + (high - low) * part;
 }
 
 float gauss(rng *r)

@@ -1,4 +1,4 @@
-/* What the Unity tests share: random numbers, points, rotations, a person.
+/* What the Unity tests use: random numbers, points, rotations, a person.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -40,7 +40,7 @@
 #define MDS_FLAT_TOLERANCE 2e-3F /* root of a rounding error: sqrt(4e-6 m^2) */
 #define MDS_CENTROID_TOLERANCE 1e-5F
 #define MDS_AXES_TOLERANCE 1e-4F /* m^2; TIGHT is 2^-20 of some m^2, and the rotations' rounding */
-/* Of 160,000 people 18 went beyond this, up to 2 mm: where the third and the fourth eigenvalue are
+/* 18 of 160,000 people went beyond this, up to 2 mm: where the third and the fourth eigenvalue are
  * nearly equal, any error chooses between their axes.  The test's people are none of them. */
 #define EARLY_STOP_TOLERANCE 5e-5F
 
@@ -85,55 +85,55 @@
 #define ORIENT_EVEN_TOLERANCE 5e-6F    /* the same spread on all axes: no bias is left */
 #define ORIENT_FRAME_TOLERANCE 5e-5F   /* rounding, enlarged by the division by a thin spread */
 
-/* ---- Blending, metres: rounding, of pixels above all, 200 to the metre ---- */
-#define BLEND_TOLERANCE 4e-6F
+/* ---- Fusion, metres: rounding, of pixels above all, 200 to the metre ---- */
+#define FUSE_TOLERANCE 4e-6F
 
 /* ---- Camera ---- */
-/* Exact points of people 2 to 12 m away: degrees, share of the distance, pixels; and of 1.6 to 60 m. */
+/* Exact points of people 2 to 12 m away: degrees, relative to the distance, pixels; and of 1.6 to 60 m. */
 #ifndef EDML_TEST_Q24 /* keypoints rounded to 3e-5 pixels; measured 0.0002, 3e-6 and 0.0001 */
 #define PLACE_DEGREES 0.002F
-#define PLACE_SHARE 1e-5F
+#define PLACE_RELATIVE 1e-5F
 #define PLACE_PIXELS 0.001F
 #define PLACE_NOISY_PIXELS 0.002F
 #define PLACE_AXES 0.002F /* metres, with noise of 5 pixels: the steps end a little apart */
 #else /* points, rotation and pixels rounded to 2^-16; measured 0.0045, 3e-5 and 0.0043 */
 #define PLACE_DEGREES 0.01F
-#define PLACE_SHARE 1e-4F
+#define PLACE_RELATIVE 1e-4F
 #define PLACE_PIXELS 0.01F
 #define PLACE_NOISY_PIXELS 0.005F
 #define PLACE_AXES 0.005F /* measured 0.0038 */
 #endif
 #define PLACE_FAR_DEGREES 0.05F
-#define PLACE_FAR_SHARE 1e-3F
+#define PLACE_FAR_RELATIVE 1e-3F
 #define PLACE_JOINT 1e-3F /* metres */
 #define PLACE_FLAT_PIXELS 0.1F
-#define PLACE_FLAT_SHARE 0.01F
+#define PLACE_FLAT_RELATIVE 0.01F
 #define PLACE_FLAT_LOST 0
-#define PLACE_SWEEP_SHARE 0.01F
+#define PLACE_SWEEP_RELATIVE 0.01F
 
 #define STEP_ROTATION 1e-5F /* radians; where the best is twice as good as the next, or more */
 #define STEP_TRACE 2e-3F    /* of entries to 3: where two are nearly as good, either may be found */
 #define STEP_ERROR 1e-4F    /* relative: rounding at the minimum */
 
-/* ---- Person, quality, floor ---- */
+/* ---- Body, quality, standing ---- */
 #ifndef EDML_TEST_Q24
-#define PERSON_TOLERANCE ROUNDING
-#define PERSON_COSINE 0.999999  /* a bone of 0.1 m, and two joints to 1e-7 */
+#define BODY_TOLERANCE ROUNDING
+#define BODY_COSINE 0.999999    /* a bone of 0.1 m, and two joints to 1e-7 */
 #define QUALITY_TOLERANCE 1e-4F /* a misfit of 1e-4 m by rounding, times 24 a metre */
-#define FLOOR_TOLERANCE 1e-5F
+#define STAND_TOLERANCE 1e-5F
 #else /* joints, lengths and upwards rounded to 2^-16, in and out */
-#define PERSON_TOLERANCE 1e-4F
-#define PERSON_COSINE 0.999
+#define BODY_TOLERANCE 1e-4F
+#define BODY_COSINE 0.999
 #define QUALITY_TOLERANCE 1e-3F
-#define FLOOR_TOLERANCE 1e-4F
+#define STAND_TOLERANCE 1e-4F
 #endif
 
 /* ---- Joint limits: poses that are counted otherwise, as a bone is at the border of a cell ---- */
 #ifndef EDML_TEST_Q24
-#define LIMITS_TURNED 1  /* of 500; measured 0 */
+#define LIMITS_ROTATED 1 /* of 500; measured 0 */
 #define LIMITS_SWAPPED 0 /* signs alone */
 #else
-#define LIMITS_TURNED 5  /* joints rounded to 2^-16 */
+#define LIMITS_ROTATED 5 /* joints rounded to 2^-16 */
 #define LIMITS_SWAPPED 1 /* products are rounded upwards */
 #endif
 #define LIMITS_FIXED 4 /* of 4000 */

@@ -2,7 +2,7 @@
  * compiler, level of optimisation and processor must print what bits.txt has
  * (tests/python/test_bits.py).
  *
- * The input comes from whole numbers and single float operations, so that it is the same as well.
+ * The input comes from integers and single float operations, so that it is the same as well.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -29,7 +29,7 @@ static void add_bytes(const void *data, size_t size)
     for (size_t n = 0; n < size; n++) hash = (hash ^ byte[n]) * 1099511628211U;
 }
 
-/* A whole number from 0 to below `range`. */
+/* An integer from 0 to below `range`. */
 static int draw(int range)
 {
     state = state * 1664525U + 1013904223U;
@@ -224,7 +224,7 @@ static void refine_shapes(void)
     }
 }
 
-/* The same two, on whole numbers. */
+/* The same two, in integers. */
 static void decompose_matrices_q24(void)
 {
     static edml_matrix_q a;

@@ -131,7 +131,7 @@ static void every_format_is_found_by_its_name_and_no_other(void)
     TEST_ASSERT_NULL(edml_format_find("coco177"));
 }
 
-static void only_blazepose_counts_in_shares_of_the_image(void)
+static void only_blazepose_is_normalised(void)
 {
     for (int n = 0; n < EDML_FORMATS; n++)
         TEST_ASSERT_EQUAL_INT(edml_formats[n] == &edml_blazepose33, edml_formats[n]->normalised);
@@ -449,7 +449,7 @@ static void a_limb_that_a_format_lacks_is_not_seen(void)
 static int in_range(edml_keypoint_q p) { return p.x > -(1 << 29) && p.x < 1 << 29; }
 
 /* Overflow is the sanitizer's to find; what is out of range in a keypoint is so in the joint. */
-static void whole_numbers_up_to_the_ends_of_their_range(void)
+static void integers_up_to_the_ends_of_their_range(void)
 {
     static const int32_t end[] = {(1 << 29) - 1, 1 - (1 << 29), INT32_MAX, INT32_MIN};
     edml_keypoint_q wide[MOST], joint[EDML_JOINTS];
@@ -475,7 +475,7 @@ int main(void)
     RUN_TEST(every_index_is_the_keypoint_of_that_name);
     RUN_TEST(the_number_of_keypoints_is_that_of_the_list);
     RUN_TEST(every_format_is_found_by_its_name_and_no_other);
-    RUN_TEST(only_blazepose_counts_in_shares_of_the_image);
+    RUN_TEST(only_blazepose_is_normalised);
     RUN_TEST(limbs_are_copied_bit_for_bit);
     RUN_TEST(the_neck_is_12_percent_down_the_trunk);
     RUN_TEST(without_a_hip_the_neck_is_between_the_shoulders);
@@ -492,6 +492,6 @@ int main(void)
     RUN_TEST(what_is_not_finite_comes_through);
     RUN_TEST(a_mirrored_person_gives_mirrored_joints);
     RUN_TEST(a_limb_that_a_format_lacks_is_not_seen);
-    RUN_TEST(whole_numbers_up_to_the_ends_of_their_range);
+    RUN_TEST(integers_up_to_the_ends_of_their_range);
     return UNITY_END();
 }

@@ -64,10 +64,10 @@ static double kept_direction(int bone)
 static void check_fit(void)
 {
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_fit_body(&pose, &body));
-    TEST_ASSERT_ERROR_UP_TO(PERSON_TOLERANCE, pose.joint[EDML_R_HIP].x + pose.joint[EDML_L_HIP].x);
-    TEST_ASSERT_ERROR_UP_TO(PERSON_TOLERANCE, pose.joint[EDML_R_HIP].y + pose.joint[EDML_L_HIP].y);
-    TEST_ASSERT_ERROR_UP_TO(PERSON_TOLERANCE, pose.joint[EDML_R_HIP].z + pose.joint[EDML_L_HIP].z);
-    for (int n = 0; n < EDML_BONES; n++) TEST_ASSERT_TRUE(kept_direction(n) > PERSON_COSINE);
+    TEST_ASSERT_ERROR_UP_TO(BODY_TOLERANCE, pose.joint[EDML_R_HIP].x + pose.joint[EDML_L_HIP].x);
+    TEST_ASSERT_ERROR_UP_TO(BODY_TOLERANCE, pose.joint[EDML_R_HIP].y + pose.joint[EDML_L_HIP].y);
+    TEST_ASSERT_ERROR_UP_TO(BODY_TOLERANCE, pose.joint[EDML_R_HIP].z + pose.joint[EDML_L_HIP].z);
+    for (int n = 0; n < EDML_BONES; n++) TEST_ASSERT_TRUE(kept_direction(n) > BODY_COSINE);
 }
 
 static void check_refused(edml_status status)
@@ -85,7 +85,7 @@ static void nothing_known_leaves_the_pose(void)
     for (int n = 0; n < 50; n++) {
         someone(&r);
         check_fit();
-        TEST_ASSERT_ERROR_UP_TO(PERSON_TOLERANCE, worst_joint_error(pose.joint, before.joint));
+        TEST_ASSERT_ERROR_UP_TO(BODY_TOLERANCE, worst_joint_error(pose.joint, before.joint));
         TEST_ASSERT_TRUE(pose.residual == before.residual && pose.seen == before.seen);
     }
 }
@@ -99,9 +99,9 @@ static void a_height_scales_all_alike(void)
         const float scale = CHAIN * body.height / (float)chain_of(&before);
         check_fit();
         for (int j = 0; j < EDML_JOINTS; j++) {
-            TEST_ASSERT_FLOAT_WITHIN(PERSON_TOLERANCE, scale * before.joint[j].x, pose.joint[j].x);
-            TEST_ASSERT_FLOAT_WITHIN(PERSON_TOLERANCE, scale * before.joint[j].y, pose.joint[j].y);
-            TEST_ASSERT_FLOAT_WITHIN(PERSON_TOLERANCE, scale * before.joint[j].z, pose.joint[j].z);
+            TEST_ASSERT_FLOAT_WITHIN(BODY_TOLERANCE, scale * before.joint[j].x, pose.joint[j].x);
+            TEST_ASSERT_FLOAT_WITHIN(BODY_TOLERANCE, scale * before.joint[j].y, pose.joint[j].y);
+            TEST_ASSERT_FLOAT_WITHIN(BODY_TOLERANCE, scale * before.joint[j].z, pose.joint[j].z);
         }
     }
 }
@@ -117,7 +117,7 @@ static void known_bones_get_their_length_and_others_keep_theirs(void)
         check_fit();
         for (int k = 0; k < EDML_BONES; k++) {
             const double wanted = body.bone[k] > 0 ? (double)body.bone[k] : length_of(&before, k);
-            TEST_ASSERT_FLOAT_WITHIN(PERSON_TOLERANCE, (float)wanted, (float)length_of(&pose, k));
+            TEST_ASSERT_FLOAT_WITHIN(BODY_TOLERANCE, (float)wanted, (float)length_of(&pose, k));
         }
     }
 }
@@ -133,7 +133,7 @@ static void with_a_height_too_the_other_bones_are_scaled(void)
         check_fit();
         for (int k = 0; k < EDML_BONES; k++) {
             const double wanted = k == 8 || k == 11 ? 0.4 : scale * length_of(&before, k);
-            TEST_ASSERT_FLOAT_WITHIN(PERSON_TOLERANCE, (float)wanted, (float)length_of(&pose, k));
+            TEST_ASSERT_FLOAT_WITHIN(BODY_TOLERANCE, (float)wanted, (float)length_of(&pose, k));
         }
     }
 }
@@ -374,15 +374,15 @@ static edml_point point_of(float x, float y, float z)
     return p;
 }
 
-static void check_floor(edml_point up)
+static void check_stand(edml_point up)
 {
     float distance[EDML_PAIRS];
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_stand(stood, &pose, up));
     pair_distances(distance, pose.joint);
-    TEST_ASSERT_ERROR_UP_TO(FLOOR_TOLERANCE, worst_distance_error(stood, distance));
+    TEST_ASSERT_ERROR_UP_TO(STAND_TOLERANCE, worst_distance_error(stood, distance));
     TEST_ASSERT_TRUE(same_handedness(stood, pose.joint));
     const float right = stood[EDML_R_ANKLE].y, left = stood[EDML_L_ANKLE].y;
-    TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, ANKLE, right < left ? right : left);
+    TEST_ASSERT_FLOAT_WITHIN(STAND_TOLERANCE, ANKLE, right < left ? right : left);
     const double size = sqrt((double)up.x * (double)up.x + (double)up.y * (double)up.y +
                              (double)up.z * (double)up.z);
     for (int j = 1; j < EDML_JOINTS; j++) {
@@ -390,7 +390,7 @@ static void check_floor(edml_point up)
         const double rise = ((double)(b.x - a.x) * (double)up.x + (double)(b.y - a.y) * (double)up.y +
                              (double)(b.z - a.z) * (double)up.z) /
                             size;
-        TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, (float)rise, stood[j].y - stood[0].y);
+        TEST_ASSERT_FLOAT_WITHIN(STAND_TOLERANCE, (float)rise, stood[j].y - stood[0].y);
     }
 }
 
@@ -398,10 +398,10 @@ static void a_level_camera_sees_x_to_the_right_and_z_towards_itself(void)
 {
     rng r = rng_seed(140);
     someone(&r);
-    check_floor(point_of(0, -1, 0));
+    check_stand(point_of(0, -1, 0));
     for (int j = 0; j < EDML_JOINTS; j++) {
-        TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, pose.joint[j].x, stood[j].x);
-        TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, -pose.joint[j].z, stood[j].z);
+        TEST_ASSERT_FLOAT_WITHIN(STAND_TOLERANCE, pose.joint[j].x, stood[j].x);
+        TEST_ASSERT_FLOAT_WITHIN(STAND_TOLERANCE, -pose.joint[j].z, stood[j].z);
     }
 }
 
@@ -411,12 +411,12 @@ static void any_upwards_will_do(void)
     rng r = rng_seed(141);
     for (int n = 0; n < 6; n++) {
         someone(&r);
-        check_floor(axes[n]);
+        check_stand(axes[n]);
     }
     for (int n = 0; n < 500; n++) {
         someone(&r);
         const float size = n % 2 ? 9.8F : 100;
-        check_floor(point_of(size * gauss(&r), size * gauss(&r), size * gauss(&r)));
+        check_stand(point_of(size * gauss(&r), size * gauss(&r), size * gauss(&r)));
     }
 }
 
@@ -425,10 +425,10 @@ static void the_length_of_upwards_does_not_matter(void)
     rng r = rng_seed(142);
     edml_point other[EDML_JOINTS];
     someone(&r);
-    check_floor(point_of(1, -4, 2));
+    check_stand(point_of(1, -4, 2));
     memcpy(other, stood, sizeof other);
-    check_floor(point_of(1024, -4096, 2048));
-    TEST_ASSERT_ERROR_UP_TO(FLOOR_TOLERANCE, worst_joint_error(stood, other));
+    check_stand(point_of(1024, -4096, 2048));
+    TEST_ASSERT_ERROR_UP_TO(STAND_TOLERANCE, worst_joint_error(stood, other));
 }
 
 /* A camera that pitches keeps its right; one that rolls turns it back. */
@@ -436,15 +436,15 @@ static void pitch_keeps_right_and_roll_is_undone(void)
 {
     rng r = rng_seed(143);
     someone(&r);
-    check_floor(point_of(0, -0.8F, -0.6F));
+    check_stand(point_of(0, -0.8F, -0.6F));
     for (int j = 0; j < EDML_JOINTS; j++)
-        TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, pose.joint[j].x, stood[j].x);
-    check_floor(point_of(0.6F, -0.8F, 0));
+        TEST_ASSERT_FLOAT_WITHIN(STAND_TOLERANCE, pose.joint[j].x, stood[j].x);
+    check_stand(point_of(0.6F, -0.8F, 0));
     for (int j = 0; j < EDML_JOINTS; j++)
-        TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, -pose.joint[j].z, stood[j].z);
-    check_floor(point_of(0, 1, 0)); /* upside down: half a turn */
+        TEST_ASSERT_FLOAT_WITHIN(STAND_TOLERANCE, -pose.joint[j].z, stood[j].z);
+    check_stand(point_of(0, 1, 0)); /* upside down: half a turn */
     for (int j = 0; j < EDML_JOINTS; j++)
-        TEST_ASSERT_FLOAT_WITHIN(FLOOR_TOLERANCE, -pose.joint[j].x, stood[j].x);
+        TEST_ASSERT_FLOAT_WITHIN(STAND_TOLERANCE, -pose.joint[j].x, stood[j].x);
 }
 
 static void no_upwards_is_refused(void)

@@ -100,7 +100,7 @@ static float rotation_error(void)
     return (float)(sqrt(square / 2) * 180 / 3.14159265358979); /* of small angles */
 }
 
-/* As a share of the distance. */
+/* Relative to the distance. */
 static float translation_error(void)
 {
     const edml_point origin = {0, 0, 0};
@@ -128,7 +128,7 @@ static void exact_points_are_found_again(void)
            "%d steps\n",
            (double)angle, (double)(100 * shift), (double)pixels, steps);
     TEST_ASSERT_ERROR_UP_TO(PLACE_DEGREES, angle);
-    TEST_ASSERT_ERROR_UP_TO(PLACE_SHARE, shift);
+    TEST_ASSERT_ERROR_UP_TO(PLACE_RELATIVE, shift);
     TEST_ASSERT_ERROR_UP_TO(PLACE_PIXELS, pixels);
     TEST_ASSERT_TRUE(steps <= 53);
 }
@@ -140,7 +140,7 @@ static void near_and_far_people_are_found_again(void)
         someone_somewhere(&r, n % 2 ? 1.6F : 20, n % 2 ? 2 : 60);
         run();
         TEST_ASSERT_ERROR_UP_TO(PLACE_FAR_DEGREES, rotation_error());
-        TEST_ASSERT_ERROR_UP_TO(PLACE_FAR_SHARE, translation_error());
+        TEST_ASSERT_ERROR_UP_TO(PLACE_FAR_RELATIVE, translation_error());
     }
 }
 
@@ -179,7 +179,7 @@ static void flat_people_are_seen_where_they_were(void)
         const edml_status status = edml_place(&placement, &pose, in, &camera, &work, sizeof work);
         if (status == EDML_ERR_DEGENERATE) continue; /* edge on: the image is a line */
         TEST_ASSERT_EQUAL_INT(EDML_OK, status);
-        if (placement.reprojection > PLACE_FLAT_PIXELS || translation_error() > PLACE_FLAT_SHARE) lost++;
+        if (placement.reprojection > PLACE_FLAT_PIXELS || translation_error() > PLACE_FLAT_RELATIVE) lost++;
     }
     printf("camera: 500 people without depth, %d lost\n", lost);
     TEST_ASSERT_TRUE(lost <= PLACE_FLAT_LOST);
@@ -213,7 +213,7 @@ static double reprojection(const edml_point m[3], edml_point t)
     return sqrt(sum / all);
 }
 
-/* Of square pixels, those of the image are what is made least. */
+/* With square pixels, what is minimised are distances in the image. */
 static void no_place_nearby_is_better(void)
 {
     rng r = rng_seed(75);
@@ -288,7 +288,7 @@ static void doubtful_joints_count_for_less(void)
         error[n] = translation_error();
     }
     TEST_ASSERT_TRUE(error[1] < error[0] / 3);
-    TEST_ASSERT_ERROR_UP_TO(PLACE_SHARE, error[2]);
+    TEST_ASSERT_ERROR_UP_TO(PLACE_RELATIVE, error[2]);
 }
 
 /* ---- Unknown focal length ---------------------------------------------------------------------- */
@@ -306,7 +306,7 @@ static void the_sweep_finds_a_focal_length_of_its_own(void)
             EDML_OK, edml_place_sweep(&placement, &found, &pose, in, 640, 480, &work, sizeof work));
         TEST_ASSERT_ERROR_UP_TO(0.01F, found.fx / focal - 1);
         TEST_ASSERT_TRUE(found.fx == found.fy && found.cx == 320 && found.cy == 240);
-        TEST_ASSERT_ERROR_UP_TO(PLACE_SWEEP_SHARE, translation_error());
+        TEST_ASSERT_ERROR_UP_TO(PLACE_SWEEP_RELATIVE, translation_error());
     }
 }
 

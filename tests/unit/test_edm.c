@@ -33,7 +33,7 @@ static void someone(void)
 
 static edml_status run(float out[EDML_PAIRS]) { return edml_edm(out, in, FEWEST, WIDEST, NULL); }
 
-static edml_status run_completed(float out[EDML_PAIRS])
+static edml_status run_imputed(float out[EDML_PAIRS])
 {
     return edml_edm(out, in, 1, WIDEST, &edml_default_imputation);
 }
@@ -85,8 +85,8 @@ static void joints_one_above_the_other_at_the_extremes_are_exactly_2_apart(void)
     TEST_ASSERT_TRUE(edm[EDML_PAIR(EDML_HEAD, EDML_L_ANKLE)] == 2.0F);
 }
 
-/* The 91 values stand for a symmetric matrix: exchanging joints exchanges rows and columns. */
-static void exchanging_joints_exchanges_values_bit_for_bit(void)
+/* The 91 values stand for a symmetric matrix: swapping joints swaps rows and columns. */
+static void swapping_joints_swaps_values_bit_for_bit(void)
 {
     rng r = rng_seed(2);
     whole_pixels(&r);
@@ -155,11 +155,11 @@ static void seen_joints_need_no_guess(void)
     for (int n = 0; n < 50; n++) {
         whole_pixels(&r);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run(edm));
-        TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(again));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_imputed(again));
         TEST_ASSERT_SAME_BYTES(edm, again);
         hide(1 + n % 4, &r);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run(edm));
-        TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(again));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_imputed(again));
         for (int i = 0; i < EDML_JOINTS; i++)
             for (int j = i + 1; j < EDML_JOINTS; j++) {
                 const float was = edm[EDML_PAIR(i, j)], is = again[EDML_PAIR(i, j)];
@@ -190,7 +190,7 @@ static void a_guess_is_at_the_weighted_mean_of_the_others(void)
                 all[j].y = (float)y;
             }
         }
-        TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(edm));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_imputed(edm));
         double top = 1e9, bottom = -1e9; /* of the seen ones */
         for (int j = 0; j < EDML_JOINTS; j++) {
             if (in[j].c > 0) top = fmin(top, (double)in[j].y);
@@ -226,9 +226,9 @@ static void guesses_turn_with_the_image(void)
     for (int n = 0; n < 20; n++) {
         whole_pixels(&r);
         hide(4, &r);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(edm));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_imputed(edm));
         map(-1, 0, 1, 0);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(again));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_imputed(again));
         TEST_ASSERT_SAME_BYTES(edm, again);
         float width[2] = {1e9F, -1e9F}, height[2] = {1e9F, -1e9F};
         for (int j = 0; j < EDML_JOINTS; j++) {
@@ -242,7 +242,7 @@ static void guesses_turn_with_the_image(void)
             height[1] = fmaxf(height[1], k.y);
         }
         const float ratio = (height[1] - height[0]) / (width[1] - width[0]);
-        if (ratio > WIDEST || run_completed(again) != EDML_OK) continue;
+        if (ratio > WIDEST || run_imputed(again) != EDML_OK) continue;
         for (int k = 0; k < EDML_PAIRS; k++) again[k] /= ratio;
         TEST_ASSERT_ERROR_UP_TO(EDM_GUESSED_TOLERANCE, worst_difference());
     }
@@ -253,10 +253,10 @@ static void what_is_not_seen_does_not_matter_to_a_guess(void)
     static const float garbage[] = {NAN, INFINITY, 3e38F, -1e30F};
     someone();
     in[EDML_L_KNEE].c = in[EDML_L_ANKLE].c = 0;
-    TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(edm));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run_imputed(edm));
     for (unsigned n = 0; n < sizeof garbage / sizeof *garbage; n++) {
         in[EDML_L_KNEE].x = in[EDML_L_ANKLE].y = garbage[n];
-        TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(again));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run_imputed(again));
         TEST_ASSERT_SAME_BYTES(edm, again);
     }
 }
@@ -265,11 +265,11 @@ static void up_to_nine_joints_are_guessed(void)
 {
     someone();
     for (int j = 5; j < EDML_JOINTS; j++) in[j].c = 0;
-    TEST_ASSERT_EQUAL_INT(EDML_OK, run_completed(edm));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run_imputed(edm));
     TEST_ASSERT_TRUE(all_finite(edm, EDML_PAIRS));
     in[EDML_R_WRIST].c = 0;
     memcpy(again, edm, sizeof again);
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_TOO_FEW_JOINTS, run_completed(edm));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_TOO_FEW_JOINTS, run_imputed(edm));
     TEST_ASSERT_SAME_BYTES(again, edm);
 }
 
@@ -476,7 +476,7 @@ static void output_stays_untouched_when_refused(void)
 }
 
 /* Two joints that are each expected where the other one is. */
-static void a_completion_that_goes_round_in_a_circle_is_refused(void)
+static void an_imputation_that_goes_round_in_a_circle_is_refused(void)
 {
     edml_imputation circle = edml_default_imputation;
     memset(circle.weight[EDML_R_ELBOW], 0, sizeof circle.weight[0]);
@@ -494,7 +494,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(values_are_distances_over_half_the_height);
     RUN_TEST(joints_one_above_the_other_at_the_extremes_are_exactly_2_apart);
-    RUN_TEST(exchanging_joints_exchanges_values_bit_for_bit);
+    RUN_TEST(swapping_joints_swaps_values_bit_for_bit);
     RUN_TEST(pairs_with_a_missing_joint_are_zero_and_others_stay);
     RUN_TEST(a_missing_joints_coordinates_do_not_matter);
     RUN_TEST(how_confident_does_not_matter);
@@ -521,6 +521,6 @@ int main(void)
     RUN_TEST(coordinates_whose_differences_overflow_are_measured);
     RUN_TEST(extreme_coordinates_give_finite_values_or_a_refusal);
     RUN_TEST(output_stays_untouched_when_refused);
-    RUN_TEST(a_completion_that_goes_round_in_a_circle_is_refused);
+    RUN_TEST(an_imputation_that_goes_round_in_a_circle_is_refused);
     return UNITY_END();
 }

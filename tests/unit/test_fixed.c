@@ -1,4 +1,4 @@
-/* number/fixed.c: division and square root in whole numbers, against exact arithmetic.
+/* number/fixed.c: division and square root in integers, against exact arithmetic.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -16,10 +16,10 @@ static edml_number number(double value)
 }
 
 /* nearness: 1 / distance */
-static void set_model(double share, double misfit, double nearness)
+static void set_model(double weight, double misfit, double nearness)
 {
     model = edml_fconn_f32;
-    model.fusion[0] = number(share * misfit * misfit);
+    model.fusion[0] = number(weight * misfit * misfit);
     model.fusion[1] = number(misfit * misfit);
     model.fusion[2] = number(nearness);
 }
@@ -86,7 +86,7 @@ static void a_pose_that_agrees_stays(void)
     for (int n = 0; n < 100; n++) {
         someone(&r, 0);
         edml_fuse(x, in, ALL_SEEN, &model);
-        TEST_ASSERT_ERROR_UP_TO(BLEND_TOLERANCE, worst_joint_error(x, person));
+        TEST_ASSERT_ERROR_UP_TO(FUSE_TOLERANCE, worst_joint_error(x, person));
     }
 }
 
@@ -115,15 +115,15 @@ static void nor_does_perspective_move_it(void)
         }
         photograph(in, y);
         edml_fuse(x, in, ALL_SEEN, &model);
-        TEST_ASSERT_ERROR_UP_TO(BLEND_TOLERANCE, worst_joint_error(x, person));
+        TEST_ASSERT_ERROR_UP_TO(FUSE_TOLERANCE, worst_joint_error(x, person));
     }
 }
 
 static void what_disagrees_shrinks_by_the_weight(void)
 {
     rng r = rng_seed(63);
-    const double share = 0.75, misfit = 0.08;
-    set_model(share, misfit, 0);
+    const double weight = 0.75, misfit = 0.08;
+    set_model(weight, misfit, 0);
     for (int n = 0; n < 200; n++) {
         const uint16_t seen = n % 2 ? ALL_SEEN : ALL_SEEN & ~(1 << EDML_L_KNEE | 1 << EDML_HEAD);
         someone(&r, 0.01F * (float)(n % 20));
@@ -131,9 +131,8 @@ static void what_disagrees_shrinks_by_the_weight(void)
             if (!(seen >> j & 1)) in[j].x = in[j].y = in[j].c = 0;
         const double before = disagreement(x, seen);
         edml_fuse(x, in, seen, &model);
-        const double left = 1 - share / (1 + before / (misfit * misfit));
-        TEST_ASSERT_ERROR_UP_TO(BLEND_TOLERANCE,
-                                (float)(sqrt(disagreement(x, seen)) - left * sqrt(before)));
+        const double left = 1 - weight / (1 + before / (misfit * misfit));
+        TEST_ASSERT_ERROR_UP_TO(FUSE_TOLERANCE, (float)(sqrt(disagreement(x, seen)) - left * sqrt(before)));
     }
 }
 
@@ -144,12 +143,11 @@ static void depths_stay(void)
     for (int n = 0; n < 100; n++) {
         someone(&r, 0.1F);
         edml_fuse(x, in, ALL_SEEN, &model);
-        for (int j = 0; j < EDML_JOINTS; j++)
-            TEST_ASSERT_FLOAT_WITHIN(BLEND_TOLERANCE, person[j].z, x[j].z);
+        for (int j = 0; j < EDML_JOINTS; j++) TEST_ASSERT_FLOAT_WITHIN(FUSE_TOLERANCE, person[j].z, x[j].z);
     }
 }
 
-static void without_a_share_nothing_moves(void)
+static void without_a_weight_nothing_moves(void)
 {
     rng r = rng_seed(65);
     set_model(0, 1, 0);
@@ -170,8 +168,8 @@ static void joints_that_were_not_seen_stay_where_they_are(void)
         edml_fuse(x, in, ALL_SEEN & ~(1 << EDML_R_WRIST) & ~(1 << EDML_L_ANKLE), &model);
         TEST_ASSERT_TRUE(all_finite(x, 3 * EDML_JOINTS));
         const edml_point a = person[EDML_R_WRIST], b = person[EDML_L_ANKLE];
-        TEST_ASSERT_FLOAT_WITHIN(BLEND_TOLERANCE, a.x - b.x, x[EDML_R_WRIST].x - x[EDML_L_ANKLE].x);
-        TEST_ASSERT_FLOAT_WITHIN(BLEND_TOLERANCE, a.y - b.y, x[EDML_R_WRIST].y - x[EDML_L_ANKLE].y);
+        TEST_ASSERT_FLOAT_WITHIN(FUSE_TOLERANCE, a.x - b.x, x[EDML_R_WRIST].x - x[EDML_L_ANKLE].x);
+        TEST_ASSERT_FLOAT_WITHIN(FUSE_TOLERANCE, a.y - b.y, x[EDML_R_WRIST].y - x[EDML_L_ANKLE].y);
     }
 }
 
@@ -202,7 +200,7 @@ static void a_mirrored_image_mirrors_the_pose(void)
         for (int j = 0; j < EDML_JOINTS; j++) in[j].x = -in[j].x;
         edml_fuse(y, in, ALL_SEEN, &model);
         for (int j = 0; j < EDML_JOINTS; j++) y[j].x = -y[j].x;
-        TEST_ASSERT_ERROR_UP_TO(BLEND_TOLERANCE, worst_joint_error(x, y));
+        TEST_ASSERT_ERROR_UP_TO(FUSE_TOLERANCE, worst_joint_error(x, y));
     }
 }
 
@@ -262,7 +260,7 @@ int main(void)
     RUN_TEST(nor_does_perspective_move_it);
     RUN_TEST(what_disagrees_shrinks_by_the_weight);
     RUN_TEST(depths_stay);
-    RUN_TEST(without_a_share_nothing_moves);
+    RUN_TEST(without_a_weight_nothing_moves);
     RUN_TEST(joints_that_were_not_seen_stay_where_they_are);
     RUN_TEST(mid_hip_is_the_origin);
     RUN_TEST(a_mirrored_image_mirrors_the_pose);

@@ -86,7 +86,7 @@ static void scaling_by_a_power_of_two_keeps_the_margin_bit_for_bit(void)
 #endif
 
 /* Right for left and left for right, seen in a mirror: another person who is as human. */
-static void the_person_with_right_and_left_exchanged_scores_the_same(void)
+static void the_person_with_right_and_left_swapped_scores_the_same(void)
 {
     rng r = rng_seed(43);
     for (int n = 0; n < 50; n++) {
@@ -151,7 +151,7 @@ int main(void)
 #ifndef EDML_TEST_Q24
     RUN_TEST(scaling_by_a_power_of_two_keeps_the_margin_bit_for_bit);
 #endif
-    RUN_TEST(the_person_with_right_and_left_exchanged_scores_the_same);
+    RUN_TEST(the_person_with_right_and_left_swapped_scores_the_same);
     RUN_TEST(the_margin_is_never_negative_and_a_second_run_agrees);
     RUN_TEST(equal_points_have_no_margin);
     RUN_TEST(a_flat_person_has_no_margin);

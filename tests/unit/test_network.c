@@ -300,12 +300,12 @@ static int32_t bias_q24[2][WIDE], multiplier_q24[2][WIDE];
 static edml_dense_w16 layers_w16[2];
 static edml_dense_w8 layers_w8[2];
 
-/* Of one kind and one format, each by an example. */
+/* A network of one kind and one format. */
 typedef struct {
     void (*predict)(int32_t *distance, const int32_t *edm, const edml_model *model, void *scratch);
     uint32_t (*compute_checksum)(const edml_model *model);
     int w16;
-    uint16_t units, inputs, outputs; /* of the first layer; of the second */
+    uint16_t units, inputs, outputs; /* the first layer's; the second's */
     int32_t clamp;
 } kind;
 

@@ -16,7 +16,7 @@ static edml_point random_shift(rng *r)
     return shift;
 }
 
-/* Share of the points' spread that lies along their thinnest axis.  The ridge of orient.h adds
+/* Part of the points' spread that lies along their thinnest axis.  The ridge of orient.h adds
  * 0.01 to it, and so turns thin bodies too little: the thinner, the more. */
 static float thinness(const edml_point p[EDML_JOINTS])
 {

@@ -48,7 +48,7 @@ static void add_noise(rng *r, float pixels)
     }
 }
 
-static void exchange(int right)
+static void swap_detected(int right)
 {
     for (int r = right; r < right + 3; r++) {
         const edml_keypoint keypoint = in[r];
@@ -265,8 +265,8 @@ static void without_filters_frames_are_as_lifted(void)
 
 /* ---- Right and left ----------------------------------------------------------------------------- */
 
-/* With some limbs exchanged in three frames, the poses are those of a video without. */
-static void check_exchange(int kind, int missing)
+/* With some limbs swapped in three frames, the poses are those of a video without. */
+static void check_swap(int kind, int missing)
 {
     start();
     for (int n = 0; n < 40; n++) {
@@ -275,8 +275,8 @@ static void check_exchange(int kind, int missing)
         if (missing && n >= 15) in[EDML_L_WRIST].c = in[EDML_R_KNEE].c = 0;
         memcpy(whole, in, sizeof whole);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run_other((uint32_t)n * FRAME));
-        if (wrong && (kind & EDML_SWAPPED_ARMS)) exchange(EDML_R_SHOULDER);
-        if (wrong && (kind & EDML_SWAPPED_LEGS)) exchange(EDML_R_HIP);
+        if (wrong && (kind & EDML_SWAPPED_ARMS)) swap_detected(EDML_R_SHOULDER);
+        if (wrong && (kind & EDML_SWAPPED_LEGS)) swap_detected(EDML_R_HIP);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
         TEST_ASSERT_EQUAL_UINT8(wrong ? kind : 0, track.swapped);
         TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose); /* and what was seen */
@@ -285,11 +285,11 @@ static void check_exchange(int kind, int missing)
     }
 }
 
-static void exchanges_are_undone(void)
+static void swaps_are_undone(void)
 {
     for (int kind = 1; kind <= 3; kind++) {
-        check_exchange(kind, 0);
-        check_exchange(kind, 1);
+        check_swap(kind, 0);
+        check_swap(kind, 1);
     }
 }
 
@@ -305,17 +305,17 @@ static void a_turn_is_not_undone(void)
     }
 }
 
-static void what_lasts_is_no_exchange(void)
+static void what_lasts_is_no_swap(void)
 {
     int undone = 0;
     start();
     for (int n = 0; n < 60; n++) {
         see_turned(0);
-        if (n >= 20) exchange(EDML_R_HIP);
+        if (n >= 20) swap_detected(EDML_R_HIP);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
         if (track.swapped) undone++;
         TEST_ASSERT_TRUE(track.swapped == 0 || (n >= 20 && n < 20 + 500 / FRAME));
-        if (track.swapped) exchange(EDML_R_HIP);
+        if (track.swapped) swap_detected(EDML_R_HIP);
         for (int j = 0; j < EDML_JOINTS; j++) /* none on its way between right and left */
             TEST_ASSERT_FLOAT_WITHIN(0.01F, in[j].x, track.joint[j].image.at.x);
     }
@@ -326,7 +326,7 @@ static void what_lasts_is_no_exchange(void)
 
 /* ---- The mirror image ---------------------------------------------------------------------------- */
 
-/* A model that takes the mirror image, if `right` is 0, with a tenth of the margin; it does not blend, so
+/* A model that takes the mirror image, if `right` is 0, with a tenth of the margin; it does not fuse, so
  * mirror images differ in nothing but the sign of depth. */
 static edml_model doubtful_model(int right)
 {
@@ -541,9 +541,9 @@ int main(void)
     RUN_TEST(steady_keypoints_are_filtered_less);
     RUN_TEST(motion_is_not_taken_for_noise);
     RUN_TEST(without_filters_frames_are_as_lifted);
-    RUN_TEST(exchanges_are_undone);
+    RUN_TEST(swaps_are_undone);
     RUN_TEST(a_turn_is_not_undone);
-    RUN_TEST(what_lasts_is_no_exchange);
+    RUN_TEST(what_lasts_is_no_swap);
     RUN_TEST(a_mirror_image_is_taken_only_if_it_persists);
     RUN_TEST(a_missing_joint_is_held_for_300_ms);
     RUN_TEST(a_held_joint_moves_along);
