@@ -12,7 +12,7 @@
  * z away from the camera), origin midway between the hips.  Left and right are the subject's.
  *
  * Errors.  A function that can fail returns a status; any status but EDML_OK leaves its outputs untouched.
- * To such a function a null pointer is EDML_ERR_ARGUMENT.  Other functions do not take one.
+ * It answers a null pointer with EDML_ERR_ARGUMENT.  No other function may be given one.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -33,8 +33,8 @@ extern "C" {
 
 /* The order of CPM and of OpenPose's MPI model.  Head and neck base are where CMU's skeletons have them,
  * and no detector does: the head is the end of the head bone, about as high as the ears; the neck base is
- * the end of the thorax, 12 % of the way from between the shoulders to between the hips.  edml_adapt() puts
- * them there.  docs/detectors.md has a picture. */
+ * the end of the thorax, 12 % of the way from mid-shoulder to mid-hip.  edml_adapt() puts them there.
+ * docs/detectors.md has a picture. */
 enum edml_joint {
     EDML_HEAD,
     EDML_NECK_BASE,
@@ -118,7 +118,7 @@ extern const edml_model edml_fconv_f32, edml_fconv_w8;
 
 const char *edml_model_name(const edml_model *model);  /* "fconn_w16" */
 edml_status edml_model_check(const edml_model *model); /* EDML_ERR_MODEL: checksum mismatch */
-size_t edml_model_work_bytes(const edml_model *model); /* of edml_lift(); 0: it cannot run it */
+size_t edml_model_work_bytes(const edml_model *model); /* for edml_lift(); 0: not for that lift */
 
 /* ---- Lift --------------------------------------------------------------------------------------- */
 

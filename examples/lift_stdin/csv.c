@@ -41,13 +41,14 @@ static const char *read_csv(edml_keypoint in[], double *time, const char *line, 
     float numbers[3 * KEYPOINTS_MAX];
     const int keypoints = keypoints_of(set);
     const int count = read_numbers(numbers, 3 * keypoints, line);
+    if (*line == '{') return "a JSON object: give --json";
     if (count < 0) {
         snprintf(wrong, sizeof wrong, "field %d is not a number (commas or blanks separate them)", -count);
         return wrong;
     }
     if (count != 2 * keypoints && count != 3 * keypoints) {
-        snprintf(wrong, sizeof wrong, "%d numbers, but %s has %d or %d", count, name_of(set), 2 * keypoints,
-                 3 * keypoints);
+        snprintf(wrong, sizeof wrong, "%d numbers, but %s has %d or %d%s", count, name_of(set),
+                 2 * keypoints, 3 * keypoints, hint_of(set));
         return wrong;
     }
     const int each = count / keypoints;

@@ -67,9 +67,8 @@ edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set
     const edml_keypoint_q *seen = set->format != NULL ? joints : keypoints;
     edml_status status = edml_lift_q(&lifted, seen, set->model, &work, sizeof work);
     if (status != EDML_OK) return status;
-    int32_t quality = 0;
-    if (set->quality) status = edml_quality_q(&quality, &lifted, seen);
-    if (status != EDML_OK) return status;
+    int32_t quality = 0; /* also of a pose that has none */
+    if (set->quality) (void)edml_quality_q(&quality, &lifted, seen);
     out->quality = to_float(quality);
     const edml_body_q body = {to_fixed(set->body.height), {0}};
     if (set->body.height > 0) status = edml_fit_body_q(&lifted, &body);

@@ -46,7 +46,7 @@ static const char *find_keypoints(const char *object, const char **wrong)
         if (found != NULL) return *wrong = "has keypoints twice", NULL;
         found = json_value_of(p);
     }
-    if (found == NULL) return *wrong = "has no keypoints", NULL;
+    if (found == NULL) return *wrong = "has no member \"keypoints\"", NULL;
     if (*found != '[' && *found != 'n') return *wrong = "keypoints is not an array", NULL;
     return found;
 }
@@ -109,7 +109,8 @@ static const char *read_jsonl(edml_keypoint in[], double *time, const char *line
         return wrong;
     }
     if (count == keypoints_of(set)) return NULL;
-    snprintf(wrong, sizeof wrong, "%d keypoints, but %s has %d", count, name_of(set), keypoints_of(set));
+    snprintf(wrong, sizeof wrong, "%d keypoints, but %s has %d%s", count, name_of(set), keypoints_of(set),
+             hint_of(set));
     return wrong;
 }
 

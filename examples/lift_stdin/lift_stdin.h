@@ -57,6 +57,12 @@ static inline const char *name_of(const options *set)
     return set->format != NULL ? set->format->name : "a pose";
 }
 
+/* What to try when the number of keypoints is wrong. */
+static inline const char *hint_of(const options *set)
+{
+    return set->format != NULL ? "" : "; a detector's keypoints need --format";
+}
+
 /* One kind of line.  `read` fills the keypoints, and the time in seconds where lines have one, and
  * returns NULL, or what is wrong with the line; `write` answers the line, which is NULL if it was not read
  * whole. */

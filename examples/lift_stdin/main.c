@@ -110,8 +110,9 @@ static edml_status lift(answer *out, const edml_keypoint in[], video *before, co
         edml_track_swap_sides(joints, &before->track);
         seen = joints;
     }
-    if (set->quality) status = edml_quality(&out->quality, &out->pose, seen);
-    if (status == EDML_OK && set->body.height > 0) status = edml_fit_body(&out->pose, &set->body);
+    if (set->quality && edml_quality(&out->quality, &out->pose, seen) != EDML_OK)
+        out->quality = 0; /* a joint beyond 4 m, which only a float network can give */
+    if (set->body.height > 0) status = edml_fit_body(&out->pose, &set->body);
     if (status == EDML_OK && places(set)) place(out, seen, set);
     return status;
 }

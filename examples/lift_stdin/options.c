@@ -46,7 +46,7 @@ static const char usage[] =
     "                  [x,y], null or [null,null], and all of them null or [] where nobody is; each\n"
     "                  comes out with all its members, a bad one as well, and \"status\",\n"
     "                  \"joints\":[[x,y,z],...], \"mirror_margin\" and \"residual\"\n"
-    "  --track FPS     the lines are a video of one person, so many frames a second: steady its motion;\n"
+    "  --track FPS     the lines are a video of one person, FPS frames a second: steady its motion;\n"
     "                  --track t: at the times that the objects of --json have, \"t\", in seconds;\n"
     "                  a line that is not a pose is a frame without one; one video a run\n"
     "  --model NAME    network (default: fconn_f32; with --fixed fconn_w16); --list-models has all\n"
@@ -230,7 +230,7 @@ static void print_and_exit(const char *option)
 static void finish_camera(options *set)
 {
     if (set->focal == 0 && !set->sweep) return;
-    if (set->camera.fx > 0) refuse("--camera has a focal length: give either it or --focal");
+    if (set->camera.fx > 0) refuse("--camera has a focal length: give --camera or --focal, not both");
     if (set->width == 0) refuse("--focal needs the size of the image: --image WIDTH,HEIGHT");
     if (set->sweep) return;
     const edml_camera camera = {set->focal, set->focal, set->width / 2, set->height / 2};
@@ -268,9 +268,11 @@ options read_options(char **argv)
     finish_camera(&set);
     if (!normalised && set.focal == 0 && !set.sweep && set.width != 0)
         refuse("--image is for --focal and for normalised formats");
-    if (set.fixed && set.track) refuse("--track works in float only: give either it or --fixed");
-    if (set.quality && set.track) refuse("--quality is of single lifts: give either it or --track");
-    if (set.track && set.fps == 0 && !set.json) refuse("--track t is for --json, whose objects have a t");
-    if (set.json && set.header) refuse("--header is not for --json");
+    if (set.fixed && set.track) refuse("--track works in float only: give --track or --fixed, not both");
+    if (set.quality && set.track)
+        refuse("--quality is for single lifts: give --quality or --track, not both");
+    if (set.track && set.fps == 0 && !set.json)
+        refuse("--track t takes the times of --json: give --json, or frames a second");
+    if (set.json && set.header) refuse("--header is for CSV, not for --json");
     return set;
 }

@@ -18,9 +18,9 @@ typedef struct {
 } edml_body;
 
 /* Gives a pose the size of a known body, in place.  Known bones get their length and keep their direction.
- * One factor scales the others: it gives the way from head to ankle its proportion of the height; without a
- * height it is 1.  Mid-hip stays the origin; mirror_margin and residual stay those of the lift.  Call
- * edml_quality() before, edml_place() after.
+ * One factor scales the others, so that the length from head to ankle is its proportion of the height;
+ * without a height it is 1.  Mid-hip stays the origin; mirror_margin and residual stay those of the lift.
+ * Call edml_quality() before, edml_place() after.
  *   EDML_ERR_BODY        negative, NaN, beyond the range, or bones that imply heights which differ by more
  *                        than a factor of 1.6
  *   EDML_ERR_NOT_FINITE  a joint of the pose is not within 4 m
@@ -29,8 +29,8 @@ typedef struct {
 edml_status edml_fit_body(edml_pose *pose, const edml_body *body);
 
 /* The probability that a pose's mean joint error is under 100 mm (rigid alignment, no scale), as far as its
- * mirror margin, its residual, its image, its bones and the number of joints seen tell.  docs/body.md has how
- * true it is.  Not for poses of edml_track_lift(), which are smoothed and so differ from the image.
+ * mirror margin, its residual, its image, its bones and the number of joints seen tell.  docs/body.md says
+ * how well that holds.  Not for poses of edml_track_lift(), which are smoothed and so differ from the image.
  *   quality  0 to 1
  *   in       the keypoints that the pose was lifted from
  *   EDML_ERR_ARGUMENT        also: a mirror_margin or residual that no lift returns (negative or NaN)

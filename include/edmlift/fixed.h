@@ -1,8 +1,8 @@
 /* edmlift.h in integers: for cores without an FPU.  No float instruction, and the same bits on every
  * processor.
  *
- * A Q16 number is an int32_t with 16 fraction bits: 65536 is 1.  What a type or function means is said at
- * the one of the same name without `_q` in edmlift.h.
+ * A Q16 number is an int32_t with 16 fraction bits: 65536 is 1, and a pixel is 65536.  edmlift.h has the
+ * meaning of each type and function, under its name without `_q`.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -59,7 +59,7 @@ typedef struct { /* of a lift with FConv: 11 KB */
     int32_t more_scratch[1764];
 } edml_fconv_work_q;
 
-size_t edml_model_work_bytes_q(const edml_model *model); /* of edml_lift_q(); 0: it cannot run it */
+size_t edml_model_work_bytes_q(const edml_model *model); /* for edml_lift_q(); 0: not for that lift */
 
 /* edml_lift() in integers.  It runs the quantised models, those with 16-bit and 8-bit weights.
  *   EDML_ERR_NOT_FINITE  also: a coordinate at or beyond the ends of its range, where a saturating

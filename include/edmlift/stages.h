@@ -94,8 +94,8 @@ float edml_mirror(edml_point x[EDML_JOINTS], const edml_model *model);
  *                        correlate */
 edml_status edml_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen);
 
-/* Moves the seen joints of a pose of edml_orient() toward where the image has them, the less the more the two
- * disagree.  Mid-hip stays the origin.
+/* Moves the seen joints of a pose of edml_orient() toward where the image has them: less, if pose and image
+ * disagree more.  Mid-hip stays the origin.
  *   seen  bit j: joint j of `in` counts */
 void edml_fuse(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
                const edml_model *model);

@@ -11,8 +11,8 @@
 extern "C" {
 #endif
 
-/* The trade of the one-euro filter (Casiez, Roussel, Vogel, "1 euro filter", CHI 2012) between noise and lag:
- * a joint is low-passed at `cutoff` + `slope` * its speed.  HUGE_VALF as cutoff: no filter. */
+/* A one-euro filter (Casiez, Roussel, Vogel, "1 euro filter", CHI 2012), which trades lag for steadiness: a
+ * joint is low-passed at `cutoff` + `slope` * its speed.  HUGE_VALF as cutoff: no filter. */
 typedef struct {
     float cutoff; /* Hz, > 0; lower is steadier */
     float slope;  /* Hz per unit of speed, >= 0 and finite; higher lags less in motion */
@@ -32,7 +32,7 @@ enum { EDML_SWAPPED_ARMS = 1, EDML_SWAPPED_LEGS = 2 };
 
 /* One person in a video.  The caller keeps one for each person. */
 typedef struct {
-    /* Settings.  edml_track_start() sets those that were measured; change them after it. */
+    /* Settings.  edml_track_start() sets them to measured defaults; change them after it. */
     edml_smoothing smooth_image; /* of keypoints; speed in body sizes per second.  The body size is the mean
                                     |x| + |y| of the seen joints from their mean */
     edml_smoothing smooth_space; /* of poses; speed in m/s */
@@ -55,7 +55,7 @@ typedef struct {
 void edml_track_start(edml_track *track);
 
 /* edml_lift() of a video's frame, made steady by the frames before.
- *   pose     smoothed; `seen` is of this frame; `mirror_margin` is of all frames so far, at most 6
+ *   pose     smoothed; `seen` is this frame's; `mirror_margin` is that of all frames so far, at most 6
  *   time_ms  of the frame, by any clock of milliseconds; it may wrap around
  * It undoes the detector's swaps of right and left arms (with shoulders) and legs (with hips); a swap that
  * lasts for about 0.4 s is believed.  A mirror image that persists is believed as well.  Missing joints stay

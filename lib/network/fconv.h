@@ -76,11 +76,11 @@ static void fconv_pixel(activation *out, const convolution *c, int y, int x, val
 {
     const int outputs = c->layer->outputs, pool = c->up ? 1 : 2, end = c->up ? SIDE : c->size;
     value *const largest = sum[0];
-    for (int k = 0; k < outputs; k++) largest[k] = 0;
     for (int v = y * pool; v < y * pool + pool && v < end; v++) {
         for (int u = x * pool; u < x * pool + pool && u < end; u++) {
-            sum_window(sum[1], c, window_at(c, v), window_at(c, u));
-            for (int k = 0; k < outputs; k++)
+            const int first = v == y * pool && u == x * pool;
+            sum_window(first ? largest : sum[1], c, window_at(c, v), window_at(c, u));
+            for (int k = 0; k < outputs && !first; k++)
                 if (sum[1][k] > largest[k]) largest[k] = sum[1][k];
         }
     }

@@ -34,8 +34,8 @@ struct edml_model {
 
     /* The network.  The model names its kernel, so that a program links only what its model needs.  A
      * float network has predict_f32, a quantised one predict_q, which the float lift runs between
-     * conversions; the other is NULL.  `out` may be `in`, and `in` may lie in the first 1,900 bytes of
-     * `scratch`: a lift's work memory from its member `scratch` on. */
+     * conversions; the other is NULL.  `scratch` is a lift's work memory from its member `scratch` on.
+     * `in` may be its layer[0].  `in` and `out` may be the same: its integer.edm, or outside of it. */
     void (*predict_f32)(float *out, const float *in, const edml_model *model, void *scratch);
     void (*predict_q)(int32_t *out, const int32_t *in, const edml_model *model, void *scratch);
     uint32_t (*compute_checksum)(const edml_model *model);

@@ -453,6 +453,17 @@ def test_a_wrong_count_names_the_format_and_both_counts(numbers_on_line: int):
     assert message in result.stderr.decode()
 
 
+@pytest.mark.parametrize("line, hint, json_", [
+    (" ".join(["1"] * 51), "a pose has 28 or 42; a detector's keypoints need --format", False),
+    ('{"keypoints": []}', "a JSON object: give --json", False),
+    ('{"keypoints": [[1, 2]]}', "has 14; a detector's keypoints need --format", True),
+    ("{}", 'has no member "keypoints"', True),
+])  # fmt: skip
+def test_what_newcomers_try_gets_a_hint(line: str, hint: str, json_: bool):
+    result = run(line, *(["--json"] if json_ else []))
+    assert result.returncode == 1 and f"{hint}\n" in result.stderr.decode()
+
+
 @pytest.mark.parametrize("format", ["", "coco", "COCO17"])
 def test_unknown_format_lists_the_known(format: str):
     result = run(GOOD, "--format", format)

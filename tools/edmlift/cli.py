@@ -73,7 +73,9 @@ def _add_lift(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     _add_lift_options(parser)
     parser.add_argument("--fixed", action="store_true", help="lift in fixed point")
     parser.add_argument("--header", action="store_true", help="names of the columns first")
-    parser.add_argument("--json", action="store_true", help="the standard input is JSON lines")
+    parser.add_argument(
+        "--json", action="store_true", help="the input is JSON lines, whatever its name"
+    )
     parser.set_defaults(run=_lift)
 
 
@@ -92,8 +94,11 @@ def _add_lift_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _size(text: str) -> tuple[float, float]:
-    width, height = text.split(",")
-    return float(width), float(height)
+    try:
+        width, height = map(float, text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be W,H in pixels, not {text!r}") from None
+    return width, height
 
 
 def _add_draw(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -102,7 +107,7 @@ def _add_draw(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         help="draw 2D poses beside the 3D ones lifted from them",
         description="Draws 2D poses beside the 3D ones lifted from them: a .png has a column a\n"
         "pose, each from the camera, the side and above; a .gif the sequence beside the figure,\n"
-        "which turns.  With --truth, the mean errors are printed as well.",
+        "which rotates.  With --truth, the mean errors are printed as well.",
         epilog=_DOCUMENTATION,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -152,7 +157,7 @@ def _print_formats(_options: argparse.Namespace) -> int:
 
 def _lift(options: argparse.Namespace) -> int:
     source = options.keypoints
-    as_json = options.json if source == "-" else is_json(source)
+    as_json = options.json or (source != "-" and is_json(source))
     if as_json and options.header:
         raise CommandError("--header is for CSV, not for JSON lines")
     data = sys.stdin.buffer.read() if source == "-" else Path(source).read_bytes()

@@ -20,6 +20,7 @@ from edmlift._binding import JOINT_COUNT
 from edmlift.formats import find_format
 from edmlift.lifting import Poses, batched
 
+_NO_FORMAT = "a pose"  # what messages call a line of the 14 joints
 JSON_SUFFIXES = (".jsonl", ".ndjson", ".json")
 BAD_LINE = "bad_line"  # the status of a line that is not a pose
 _NUMBERS = 3 * JOINT_COUNT
@@ -117,7 +118,7 @@ def read_lines(data: bytes, format: str | None, as_json: bool) -> Lines:
     for number, text in _text_lines(data):
         found: dict[str, Any] | None = None
         try:
-            pose, found = read(text, count, format or "a pose")
+            pose, found = read(text, count, format or _NO_FORMAT)
         except ValueError as error:
             problems[len(poses)] = str(error)
             pose = np.full((count, 3), np.nan, np.float32)
@@ -155,10 +156,17 @@ def _numbers(text: str) -> list[float]:
 def _keypoint_fields(text: str, count: int, name: str) -> tuple[NDArray[np.float32], None]:
     numbers = _numbers(text)
     if len(numbers) not in (2 * count, 3 * count):
-        raise ValueError(f"{len(numbers)} numbers, but {name} has {2 * count} or {3 * count}")
+        raise ValueError(
+            f"{len(numbers)} numbers, but {name} has {2 * count} or {3 * count}{_hint(name)}"
+        )
     with np.errstate(over="ignore"):
         pose = np.array(numbers).astype(np.float32).reshape(count, -1)
     return (np.insert(pose, 2, 1, axis=1) if pose.shape[1] == 2 else pose), None
+
+
+def _hint(name: str) -> str:
+    """What to try when the number of keypoints is wrong."""
+    return "; a detector's keypoints need its format" if name == _NO_FORMAT else ""
 
 
 def _object_or_none(text: str) -> dict[str, Any] | None:
@@ -192,14 +200,14 @@ def _keypoint_object(
         if answer in found:
             raise ValueError(f'has a member "{answer}", which the answer adds: rename it')
     if "keypoints" not in found:
-        raise ValueError("has no keypoints")
+        raise ValueError('has no member "keypoints"')
     given = found["keypoints"]
     if given is None or given == []:
         return np.zeros((count, 3), np.float32), found  # nobody
     if not isinstance(given, list):
         raise ValueError("keypoints is not an array")
     if len(given) != count:
-        raise ValueError(f"{len(given)} keypoints, but {name} has {count}")
+        raise ValueError(f"{len(given)} keypoints, but {name} has {count}{_hint(name)}")
     with np.errstate(over="ignore"):
         return np.array([_keypoint(n, k) for n, k in enumerate(given)]).astype(np.float32), found
 

@@ -97,17 +97,20 @@ def _in_pixels(
 ) -> NDArray[np.float32]:
     if layout is None or not layout.normalised:
         if image is not None:
-            raise ValueError("image= is for formats in proportions of the image, blazepose33")
+            raise ValueError("image= is for formats normalised by the image's size, blazepose33")
         return keypoints
     name = layout.name.decode()
     if image is None:
         raise ValueError(
-            f"format {name!r} counts in proportions of the image: image=(width, height)"
+            f"keypoints of format {name!r} are normalised: give the image's size in pixels, "
+            "image=(width, height)"
         )
     size = image_size(image)
     seen = keypoints[keypoints[..., 2] > 0]
     if (np.abs(seen[:, :2]) > MAX_PROPORTION).any():
-        raise ValueError(f"format {name!r} counts in proportions of the image, not in pixels")
+        raise ValueError(
+            f"keypoints of format {name!r} are normalised, 0 to 1 within the image, not in pixels"
+        )
     return keypoints * np.array([*size, 1], np.float32)
 
 

@@ -26,7 +26,7 @@ _THREADED = "fconv"  # models so slow that poses are lifted side by side
 _Record = TypeVar("_Record")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Poses:
     """F poses, or one without the leading axis; numbers are NaN where status is not "ok"."""
 
@@ -36,6 +36,9 @@ class Poses:
     status: NDArray[np.str_]  # [F] "ok", or why there is no pose
     seen: NDArray[np.bool_]  # [F,14] in the image
     keypoints: NDArray[np.float32]  # [F,14,3] pixels and confidence that the poses come from
+
+    def __repr__(self) -> str:
+        return summary(self)
 
     @property
     def ok(self) -> NDArray[np.bool_]:
@@ -84,7 +87,7 @@ def lift(
     threshold  a confidence up to this counts as not seen.  Default 0, as in the C library: a low
                confidence of a detector that guesses well is worth having.  For one whose unseen
                keypoints lie anywhere (MoveNet, PoseNet), 0.3 is usual.
-    image      (width, height) in pixels, for "blazepose33", which counts in proportions of it
+    image      (width, height) in pixels, for "blazepose33", whose keypoints are normalised by it
     fixed      lift in fixed point, to the bits of a core without an FPU; coordinates within 8192
 
     Returns Poses; one pose for one.  A pose that cannot be lifted has a status and NaN:
@@ -110,10 +113,18 @@ def first(record: _Record) -> _Record:
     return replace(record, **{f.name: getattr(record, f.name)[0] for f in fields(record)})  # type: ignore[type-var, arg-type]
 
 
+def summary(record: Any) -> str:
+    """Poses or placements in a line: how many there are, and how many of each status."""
+    names, counts = np.unique(record.status, return_counts=True)
+    statuses = ", ".join(f"{n} {name}" for name, n in zip(names, counts, strict=True))
+    shape = list(np.shape(record.joints))
+    return f"{type(record).__name__}(joints {shape}: {statuses or 'none'})"
+
+
 def batched(poses: Poses) -> tuple[Poses, bool]:
     """Poses with a leading axis, and whether it was missing."""
     if not isinstance(poses, Poses):
-        raise TypeError(f"takes Poses, as of lift() or Poses.of(), not {type(poses).__name__}")
+        raise TypeError(f"poses must be Poses of lift() or Poses.of(), not {type(poses).__name__}")
     single = poses.joints.ndim == 2
     if not single:
         return poses, False

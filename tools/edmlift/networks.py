@@ -4,6 +4,7 @@ import ctypes
 from dataclasses import dataclass
 
 from edmlift._binding import load
+from edmlift.formats import FORMATS
 
 # Float; weights of 16 and of 8 bits.  A library may have been built without some.
 NAMES = ("fconn_f32", "fconn_w16", "fconn_w8", "fconv_f32", "fconv_w8")
@@ -39,8 +40,9 @@ def find_model(name: str | None = None, fixed: bool = False, c: ctypes.CDLL | No
     c = c or load()
     name = name or (DEFAULT_FIXED if fixed else DEFAULT)
     if name not in _names(c, fixed):
-        cannot = "does not lift in fixed point" if name in _names(c, False) else "is not a model"
-        raise ValueError(f"model {name!r} {cannot}; there are {', '.join(_names(c, fixed))}")
+        cannot = "does not lift in fixed point" if name in _names(c, False) else "is not known"
+        hint = "; a detector's format is format=" if name in FORMATS else ""
+        raise ValueError(f"model {name!r} {cannot}; there are {', '.join(_names(c, fixed))}{hint}")
     address = _address(c, name)
     return Model(name, fixed, c, address, _work_bytes(c, address, fixed))
 

@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from edmlift._binding import OK, PLACEMENT, Point, load
 from edmlift.keypoints import image_size
-from edmlift.lifting import Poses, batched, c_poses, first, pointers, status_names
+from edmlift.lifting import Poses, batched, c_poses, first, pointers, status_names, summary
 from edmlift.networks import Model, find_model
 
 _FIELDS = ("joint", "rotation", "translation", "reprojection")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Placements:
     """F placements, or one without the leading axis; NaN where status is not "ok"."""
 
@@ -27,6 +27,9 @@ class Placements:
     focal: NDArray[np.float32]  # [F] pixels, along x: given, or found by the sweep
     steps: NDArray[np.uint16]  # [F] iterations
     status: NDArray[np.str_]  # [F] "ok", or why there is no placement
+
+    def __repr__(self) -> str:
+        return summary(self)
 
 
 def place(

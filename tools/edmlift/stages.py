@@ -88,7 +88,7 @@ class Stages:
         return out, margin
 
     def orient(self, points: ArrayLike, keypoints: ArrayLike) -> _F32:
-        """Points turned to the camera."""
+        """Points rotated to the axes of the camera."""
         out, given = _f32(points).copy(), _f32(keypoints)
         self._check(self._c.edml_orient(pointer(out), pointer(given), _seen(given)))
         return out

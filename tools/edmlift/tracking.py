@@ -13,13 +13,13 @@ from edmlift.networks import Model, find_model
 _ARMS, _LEGS = 1, 2  # EDML_SWAPPED_ARMS, EDML_SWAPPED_LEGS
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Tracked(Poses):
     """Poses of a video.  keypoints are with left and right as the track took them; `seen` says
     what was seen in this frame, mirror_margin what all frames so far say, at most 6."""
 
     held: NDArray[np.bool_]  # [F,14] not seen in this frame, but lately
-    swapped: NDArray[np.bool_]  # [F,2] the detector had exchanged right and left arm; leg
+    swapped: NDArray[np.bool_]  # [F,2] the detector had swapped right and left arm; leg
     mirrored: NDArray[np.bool_]  # [F] not the mirror image that this frame alone would give
     elapsed: NDArray[np.uint32]  # [F] ms since the frame before; 0 at a start
 
@@ -33,8 +33,8 @@ class Track:
 
     model, format, threshold and image are as in `lift`.  smooth_image and smooth_space are
     (cutoff in Hz, slope) of the one-euro filters of keypoints and poses, by default as measured;
-    jitter_full is the jitter of keypoints, in sizes of the body, at which these filters are
-    applied in full (0: always).  docs/video.md has what they give.
+    jitter_full is the jitter of keypoints, in body sizes, at and above which these filters
+    act in full (0: always).  docs/video.md has what they give.
     """
 
     def __init__(

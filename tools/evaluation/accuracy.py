@@ -94,18 +94,18 @@ def rivals_table(figures: dict[str, Figures], others: dict[str, dict[str, Figure
     return table("error, mm", list(figures), cells)
 
 
-def noted(figures: dict[str, Figures]) -> dict[str, float]:
+def column_errors(figures: dict[str, Figures]) -> dict[str, float]:
     """The error of each column, as manifests have it."""
     return {name: round(column["error"], 1) for name, column in figures.items()}
 
 
-def note_errors(
+def record_errors(
     manifest: Path, figures: dict[str, Figures], lost: dict[str, dict[str, Figures]]
 ) -> None:
     """Writes the errors into a model's manifest, where the exporter finds them."""
     settings = json.loads(manifest.read_text())
-    settings["metrics"] = noted(figures)
-    settings |= {f"metrics_{f}": noted(lost[f]) for f in ("w16", "w8") if f in lost}
+    settings["metrics"] = column_errors(figures)
+    settings |= {f"metrics_{f}": column_errors(lost[f]) for f in ("w16", "w8") if f in lost}
     write_manifest(manifest, settings)
 
 
@@ -147,7 +147,7 @@ def tables(args: argparse.Namespace) -> Tables:
     if args.out:
         write_report(args.out, found, {"float": figures, **lost, **others})
     if args.manifest:
-        note_errors(args.manifest, figures, lost)
+        record_errors(args.manifest, figures, lost)
     return found
 
 

@@ -49,7 +49,7 @@ class RivalRecipe(Recipe):
     residual: bool = False  # batch normalisation, and a skip around each two layers
     mask: bool = False  # which joints are seen is input as well
 
-    def noted(self, seed: int) -> dict:
+    def recorded(self, seed: int) -> dict:
         """What decides the weights, for the JSON."""
         fields = dataclasses.asdict(self)
         fields["epochs"] = fields.pop("mds_epochs")
@@ -258,7 +258,7 @@ def entry(run: RivalRun, held_out: list[int], test: Motion) -> dict[str, Any]:
     figures = rounded(evaluate(run.settle(), test))
     return {
         "parameters": coordinates.count(run.layers),
-        "recipe": run.recipe.noted(run.seed),
+        "recipe": run.recipe.recorded(run.seed),
         "data": origin(run.motion, held_out),
         # Rigidly aligned, mm; of people who were trained on, if none were held out.
         "validation" if held_out else "training_people": run.curve,
@@ -271,7 +271,7 @@ def tried(run: RivalRun, held_out: list[int]) -> dict[str, Any]:
     """A trial's entry in the JSON."""
     return {
         "parameters": coordinates.count(run.layers),
-        "recipe": run.recipe.noted(run.seed),
+        "recipe": run.recipe.recorded(run.seed),
         "data": origin(run.motion, held_out),
         "validation": run.curve[run.epochs],
     }

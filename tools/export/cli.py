@@ -32,7 +32,7 @@ from export.settings import read_settings
 from model.manifest import manifest_text
 
 
-def note_calibration(kind: Kind, layers: Sequence[Layer], manifest: Path, motion: Path) -> str:
+def record_calibration(kind: Kind, layers: Sequence[Layer], manifest: Path, motion: Path) -> str:
     """Notes in the manifest what quantising needs, and returns a line that says it."""
     settings = read_settings(manifest)
     try:
@@ -65,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         kind, layers = read_network(weights)
         name = options.name or kind.model
         if options.calibrate:
-            print(note_calibration(kind, layers, manifest, options.calibrate))
+            print(record_calibration(kind, layers, manifest, options.calibrate))
         settings = read_settings(manifest)
         out = options.out or GEN / f"{name}_{form}.h"
         print(write_header(layers, settings, name, weights.name, out, form, kind))

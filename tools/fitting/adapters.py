@@ -2,7 +2,7 @@
 
     run.py fitting.adapters TRAIN.npz [--update docs/detectors.md]
 
-The models take `head_top` and `neck` where the training skeletons have them, which is not where
+The models take `head` and `neck_base` where the training skeletons have them, which is not where
 detectors report a head and a neck.  So every adapter puts
 
     head = s + HEAD (e - s)     s: between the shoulders, e: what is seen of the head

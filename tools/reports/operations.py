@@ -2,8 +2,8 @@
 
     run.py reports.operations TEST.npz [--update docs/no-fpu.md]
 
-Every view of the protocol is lifted in integers that watch themselves (tests/overflow).  Their
-results must be the library's bit for bit.
+Every view of the protocol is lifted in integers that watch themselves (tests/overflow); their
+results must be the library's, bit for bit.
 """
 
 import argparse

@@ -50,6 +50,19 @@ def test_shapes_types_and_ranges():
     assert np.isfinite(poses.joints).all() and (poses.mirror_margin >= 0).all()
 
 
+def test_printing_poses_takes_a_line():
+    keypoints = WALK.copy()
+    keypoints[1, 3:, 2] = 0
+    poses = edmlift.lift(keypoints)
+    count = len(WALK)
+    statuses = f"{count - 1} ok, 1 too_few_joints"
+    assert repr(poses) == f"Poses(joints [{count}, 14, 3]: {statuses})"
+    assert repr(edmlift.place(poses, CAMERA)).startswith(f"Placements(joints [{count}, 14, 3]: ")
+    assert repr(edmlift.track(WALK, fps=30)) == f"Tracked(joints [{count}, 14, 3]: {count} ok)"
+    assert repr(edmlift.lift(WALK[0])) == "Poses(joints [14, 3]: 1 ok)"
+    assert repr(edmlift.lift(WALK[:0])) == "Poses(joints [0, 14, 3]: none)"
+
+
 def test_one_pose_gives_one_pose():
     batch = edmlift.lift(WALK)
     for keypoints in (WALK[7], WALK[7, :, :2]):
@@ -201,7 +214,7 @@ def test_proportions_become_pixels():
     for image in ((0, 5), (1,), (np.nan, 4)):
         with pytest.raises(ValueError, match="image must be"):
             edmlift.lift(proportions, format="blazepose33", image=image)
-    with pytest.raises(ValueError, match="for formats in proportions"):
+    with pytest.raises(ValueError, match="for formats normalised"):
         edmlift.lift(WALK, image=(1000, 1000))
 
 
@@ -213,6 +226,8 @@ def test_unknown_names_list_the_known_ones():
         edmlift.lift(WALK, format="coco")
     with pytest.raises(ValueError, match="'fconn'.*fconn_f32, fconn_w16, fconn_w8, fconv_f32"):
         edmlift.lift(WALK, "fconn")
+    with pytest.raises(ValueError, match="'coco17' is not known.*; a detector's format is format="):
+        edmlift.lift(WALK, "coco17")
     with pytest.raises(ValueError, match="'fconn_f32' does not lift in fixed point; .*fconn_w16"):
         edmlift.lift(WALK, "fconn_f32", fixed=True)
 

@@ -83,6 +83,13 @@ def test_json_lines_keep_their_members(tmp_path: Path, capsys: pytest.CaptureFix
     assert second == {"status": "bad_line", "joints": None, "mirror_margin": None, "residual": None}
 
 
+def test_json_lines_of_any_name(tmp_path: Path, capsys: pytest.CaptureFixture):
+    source = tmp_path / "in.txt"
+    source.write_text(json.dumps({"keypoints": WALK[0].tolist()}) + "\n")
+    assert run("lift", source, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["status"] == "ok"
+
+
 def test_a_detectors_format(capsys: pytest.CaptureFixture):
     source = DATA / "detections" / "street.csv"
     options = "--format blazepose33 --image 1080,1920 --threshold 0.5".split()
@@ -113,7 +120,9 @@ def test_wrong_options_have_status_2(options: tuple[str, ...], capsys: pytest.Ca
     with pytest.raises(SystemExit) as exit_:
         run(*options)
     assert exit_.value.code == 2
-    assert "usage: edmlift" in capsys.readouterr().err
+    printed = capsys.readouterr().err
+    assert "usage: edmlift" in printed
+    assert ("must be W,H in pixels, not '3'" in printed) == ("--image" in options)
 
 
 @pytest.mark.parametrize("command", [[], ["lift"], ["draw"]])

@@ -131,7 +131,7 @@ def test_a_file_of_a_detectors_keypoints(tmp_path: Path):
     path = tmp_path / "in.csv"
     path.write_text(" ".join(map(str, range(34))) + "\n")
     assert edmlift.read_keypoints(path, "coco17").shape == (1, 17, 3)
-    with pytest.raises(edmlift.FileError, match=r"in\.csv:1: 34 numbers, but a pose has 28 or 42"):
+    with pytest.raises(edmlift.FileError, match="a pose has 28 or 42; a detector's .* format"):
         edmlift.read_keypoints(path)
     with pytest.raises(ValueError, match="there are coco17"):
         edmlift.read_keypoints(path, "coco")
@@ -166,7 +166,7 @@ def test_a_bad_line_is_named(line: str, problem: str, tmp_path: Path):
         ("[1]", "not a JSON object"),
         ('{"keypoints": [[NaN, 1]]}', "not a JSON object"),
         ("{" * 100_000, "not a JSON object"),
-        ("{}", "has no keypoints"),
+        ("{}", 'has no member "keypoints"'),
         ('{"keypoints": 5}', "keypoints is not an array"),
         ('{"keypoints": [[1, 2]]}', "1 keypoints, but a pose has 14"),
         (json.dumps({"keypoints": [[1, 2]] * 13 + [[True, 2]]}), "keypoint 13 is not null"),

@@ -1,5 +1,6 @@
 """What research takes of the package: the C library with one model, and its stages."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ from package_support import ROOT, WALK, need_library
 
 from edmlift import _binding
 from edmlift import library as edmlift
+from edmlift.networks import find_model
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +109,7 @@ def test_the_environment_names_the_library(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_unknown_model(library: edmlift.Library):
-    with pytest.raises(ValueError, match="'none' is not a model; there are fconn_f32, "):
+    with pytest.raises(ValueError, match="'none' is not known; there are fconn_f32, "):
         edmlift.Library("none")
 
 
@@ -201,3 +203,14 @@ def test_another_version_of_the_library_is_refused(tmp_path: Path, monkeypatch):
         ImportError, match=r"library\.so has no edml_of_tomorrow\(\): build it again"
     ):
         _binding.load(copy)
+
+
+def test_the_page_of_fconv_has_the_sizes_of_its_work_memory():
+    need_library()
+    page = (ROOT / "docs" / "fconv.md").read_text("utf-8")
+    sizes = {
+        "edml_fconv_work": find_model("fconv_w8").work_bytes,
+        "edml_fconv_work_q": find_model("fconv_w8", fixed=True).work_bytes,
+    }
+    for name, size in sizes.items():
+        assert re.search(rf"{name}` of {size:,} bytes", page), f"{name} has {size:,} bytes"

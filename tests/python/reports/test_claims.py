@@ -51,9 +51,9 @@ def test_the_accuracy_is_that_of_the_pages(figures, forms):
     assert markdown.read(LOG, "joints") == accuracy.joints_table(figures)
     assert markdown.read(ACCURACY, "forms") == number_forms.report(figures, forms)
     manifest = json.loads((ROOT / "gen" / "fconn.json").read_text())
-    assert manifest["metrics"] == accuracy.noted(figures)
+    assert manifest["metrics"] == accuracy.column_errors(figures)
     for form in ("w16", "w8"):
-        assert manifest[f"metrics_{form}"] == accuracy.noted(forms[form])
+        assert manifest[f"metrics_{form}"] == accuracy.column_errors(forms[form])
 
 
 def test_the_library_beats_the_rivals_of_the_table(people, figures):
@@ -74,7 +74,7 @@ def test_the_trials_are_those_of_the_json():
 def test_the_trained_rivals_are_of_the_recipes():
     for name, entry in json.loads(baselines.TRAINED.read_text()).get("rivals", {}).items():
         recipe = rivals.RIVALS[name]
-        assert entry["recipe"] == json.loads(json.dumps(recipe.noted(0))), name
+        assert entry["recipe"] == json.loads(json.dumps(recipe.recorded(0))), name
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Pictures of poses: PNG sheets and turning GIFs, by Pillow alone."""
+"""Pictures of poses: PNG sheets and animated GIFs, by Pillow alone."""
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from edmlift.drawing.diagram import draw_joint_diagram
-from edmlift.drawing.figure import save_sheet, save_turning, spread
+from edmlift.drawing.figure import save_rotating, save_sheet, spread
 from edmlift.drawing.scene import scene_of
 from edmlift.lifting import Poses, batched
 
@@ -36,7 +36,7 @@ def draw(
 
     poses     as from `lift`; one that was refused is its status in words
     path      .png: a sheet, a column a frame, each from the camera, the side and above.  .gif: the
-              sequence beside the figure, which turns
+              sequence beside the figure, which rotates
     truth     [F,14,3] metres, drawn dashed over the poses
     frames    indices of the frames of a sheet; default: six, evenly spread
     names     of the columns; default: "frame" and its number
@@ -61,7 +61,7 @@ def draw(
         if frames is not None:
             raise ValueError("frames= is for sheets; a .gif shows the whole sequence")
         scene = scene_of(given, true, pitch, True, _PATH_ASPECT)
-        save_turning(scene, path, title, photos, 10 * round(100 / fps))
+        save_rotating(scene, path, title, photos, 10 * round(100 / fps))
         return
     chosen = spread(count, COLUMNS) if frames is None else list(frames)
     if not chosen or not all(0 <= frame < count for frame in chosen):

@@ -1,4 +1,4 @@
-"""Whole pictures: a sheet of frames, a strip for one pose, and an animation that turns."""
+"""Whole pictures: a sheet of frames, a strip for one pose, and an animation that rotates."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TITLE, LABEL, LEGEND = 40, 24, 34  # heights of the lines of text
 ROW_NAMES = 26
 SHEET_WIDTH = 1500
 STRIP_HIGH, ANIMATION_HIGH = 460, 360
-TURN_FRAMES = 80  # of an animation, in about which the figure turns once
+ROTATION_FRAMES = 80  # of an animation, in about which the figure rotates once
 
 Photos = Sequence[Any]  # a frame's each: what load_picture() takes, or None
 
@@ -32,16 +32,16 @@ def save_sheet(
     save_picture(draw(scene, title, names, photos), path, any(p is not None for p in photos))
 
 
-def save_turning(
+def save_rotating(
     scene: Scene, path: Path, title: str | None, photos: Photos, frame_ms: int
 ) -> None:
-    """The sequence, again and again, while the figure turns a whole number of times."""
+    """The sequence, again and again, while the figure makes whole rotations."""
     count = len(scene.poses)
-    total = count * max(1, round(TURN_FRAMES / count))
-    turns = max(1, round(total / TURN_FRAMES))
+    total = count * max(1, round(ROTATION_FRAMES / count))
+    rotations = max(1, round(total / ROTATION_FRAMES))
 
     def frame(k: int) -> Canvas:
-        return _draw_turning(scene, k % count, 360.0 * turns * k / total, title, photos)
+        return _draw_rotated(scene, k % count, 360.0 * rotations * k / total, title, photos)
 
     def frames() -> Iterator[Canvas]:
         return (frame(k) for k in range(total))
@@ -97,7 +97,7 @@ def _draw_strip(scene: Scene, title: str | None, _names: Sequence[str], photos: 
     return figure
 
 
-def _draw_turning(
+def _draw_rotated(
     scene: Scene, i: int, azimuth: float, title: str | None, photos: Photos
 ) -> Canvas:
     """2D input, the pose from one direction, and small ones from the camera, the side and above."""

@@ -28,7 +28,7 @@ TORSO = SHOULDERS + HIPS[::-1]
 VIEWER = 5.0  # metres from which a pose is looked at
 RAISED = 12.0  # degrees by which the viewer looks down
 GRID = 0.25  # metres: side of a floor square
-_TURNS = np.arange(0.0, 360.0, 15.0)
+_ANGLES = np.arange(0.0, 360.0, 15.0)
 
 
 @dataclass(frozen=True)
@@ -145,10 +145,10 @@ def _windows(poses: Array) -> tuple[Array, float]:
     if len(points) == 0:
         points = np.array([[0.0, -1.7, 0.0], [0.0, 0.0, 0.0]])
     radius = max(0.5, float(np.hypot(points[:, 0], points[:, 2]).max()))
-    turned = np.concatenate([look(points, View("", angle)) for angle in _TURNS])
-    half = 1.06 * max(radius, float(np.abs(turned[:, 0]).max()))
+    rotated = np.concatenate([look(points, View("", angle)) for angle in _ANGLES])
+    half = 1.06 * max(radius, float(np.abs(rotated[:, 0]).max()))
     front = look([0.0, 0.0, -floor_half(half)], CAMERA)[1]
-    bottom, top = min(float(turned[:, 1].min()), front), max(0.5, float(turned[:, 1].max()))
+    bottom, top = min(float(rotated[:, 1].min()), front), max(0.5, float(rotated[:, 1].max()))
     margin = 0.05 * (top - bottom)
     above = 1.06 * floor_half(half)
     return np.array([-half, half, bottom - margin, top + 1.6 * margin]), max(half, above)
