@@ -51,8 +51,8 @@ static void tiny_layer(int n, int inputs, int outputs, int scale, uint32_t *stat
     tiny_layers_w8[n] = w8;
 }
 
-/* With the limits and mirror weights of a shipped model. */
-static edml_model tiny_model(const edml_model *shipped, const void *layers)
+/* With the limits and mirror weights of the shipped FConn, which is small: bits.c runs on small cores. */
+static edml_model tiny_model(const void *layers)
 {
     uint32_t state = 2017;
     tiny_layer(0, 49, 8, 9, &state);
@@ -60,14 +60,32 @@ static edml_model tiny_model(const edml_model *shipped, const void *layers)
     tiny_layer(2, 49 * 16, 8, 10, &state);
     tiny_layer(3, 49 * 8, 16, 9, &state);
     tiny_layer(4, 16, 1, 11, &state);
-    edml_model model = *shipped;
+    edml_model model = edml_fconn_f32;
     model.name = "tiny";
+    model.predict_f32 = NULL;
     model.layers = layers;
+    model.layer_count = TINY_LAYERS;
+    model.work_bytes = sizeof(edml_fconv_work);
+    return model;
+}
+
+static edml_model tiny_f32(void)
+{
+    edml_model model = tiny_model(tiny_layers_f32);
+    model.predict_f32 = edml__fconv_f32;
+    model.compute_checksum = edml__fconv_checksum_f32;
     model.checksum = model.compute_checksum(&model);
     return model;
 }
 
-static edml_model tiny_f32(void) { return tiny_model(&edml_fconv_f32, tiny_layers_f32); }
-static edml_model tiny_w8(void) { return tiny_model(&edml_fconv_w8, tiny_layers_w8); }
+static edml_model tiny_w8(void)
+{
+    edml_model model = tiny_model(tiny_layers_w8);
+    model.predict_q = edml__fconv_w8;
+    model.compute_checksum = edml__fconv_checksum_w8;
+    model.checksum = model.compute_checksum(&model);
+    model.work_bytes_q = sizeof(edml_fconv_work_q);
+    return model;
+}
 
 #endif

@@ -1,5 +1,5 @@
-/* Every stage against NumPy in double (tests/make_vectors.py).  Where this alone fails after a
- * change of the network, vectors.h is of the old one: run tests/make_vectors.py.
+/* Every stage against NumPy in double (tests/vectors/make_vectors.py).  Where this alone fails after a
+ * change of the network, vectors.h is of the old one: run tests/vectors/make_vectors.py.
  *
  * SPDX-License-Identifier: MIT
  */
