@@ -4805,6 +4805,7 @@ static const edml_dense_f32 fconn_f32_layers[] = {
     {192, 49, fconn_f32_weight2, fconn_f32_bias2},
 };
 
+EDML_KERNEL(equivariant, f32);
 extern const edml_model edml_fconn_f32;
 const edml_model edml_fconn_f32 = {
     "fconn_f32",

@@ -4846,6 +4846,7 @@ static const edml_dense_w16 fconn_w16_layers[] = {
     {192, 49, fconn_w16_weight2, fconn_w16_bias2, fconn_w16_multiplier2, 32, 50331648},
 };
 
+EDML_KERNEL(equivariant, w16);
 extern const edml_model edml_fconn_w16;
 const edml_model edml_fconn_w16 = {
     "fconn_w16",

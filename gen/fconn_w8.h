@@ -4846,6 +4846,7 @@ static const edml_dense_w8 fconn_w8_layers[] = {
     {192, 49, fconn_w8_weight2, fconn_w8_bias2, fconn_w8_multiplier2, 27, 50331648},
 };
 
+EDML_KERNEL(equivariant, w8);
 extern const edml_model edml_fconn_w8;
 const edml_model edml_fconn_w8 = {
     "fconn_w8",

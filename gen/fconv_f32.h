@@ -75809,6 +75809,7 @@ static const edml_dense_f32 fconv_f32_layers[] = {
     {64, 1, fconv_f32_weight4, fconv_f32_bias4},
 };
 
+EDML_KERNEL(fconv, f32);
 extern const edml_model edml_fconv_f32;
 const edml_model edml_fconv_f32 = {
     "fconv_f32",

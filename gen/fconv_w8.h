@@ -75846,6 +75846,7 @@ static const edml_dense_w8 fconv_w8_layers[] = {
     {64, 1, fconv_w8_weight4, fconv_w8_bias4, fconv_w8_multiplier4, 30, 50331648},
 };
 
+EDML_KERNEL(fconv, w8);
 extern const edml_model edml_fconv_w8;
 const edml_model edml_fconv_w8 = {
     "fconv_w8",

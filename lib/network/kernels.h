@@ -1,4 +1,8 @@
-/* The networks' kernels, which generated weight headers name.  Not part of the public interface.
+/* Declares a network's kernel, which a generated weight header names:
+ *
+ *   EDML_KERNEL(equivariant, w16);  edml__equivariant_w16() and edml__equivariant_checksum_w16()
+ *
+ * Not part of the public interface.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,22 +11,14 @@
 
 #include "model.h"
 
-#define EDML_KERNEL_F32(network)                                                                           \
-    EDML_INTERNAL void edml__##network##_f32(float *out, const float *in, const edml_model *model,         \
-                                             void *scratch);                                               \
-    EDML_INTERNAL uint32_t edml__##network##_checksum_f32(const edml_model *model)
-#define EDML_KERNEL_INTEGER(network, weights)                                                              \
-    EDML_INTERNAL void edml__##network##_##weights(int32_t *out, const int32_t *in,                        \
-                                                   const edml_model *model, void *scratch);                \
-    EDML_INTERNAL uint32_t edml__##network##_checksum_##weights(const edml_model *model)
+#define EDML_KERNEL(network, weights) EDML_KERNEL_##weights(network)
+#define EDML_KERNEL_f32(network) EDML_KERNEL_OF(network, f32, float)
+#define EDML_KERNEL_w16(network) EDML_KERNEL_OF(network, w16, int32_t)
+#define EDML_KERNEL_w8(network) EDML_KERNEL_OF(network, w8, int32_t)
 
-EDML_KERNEL_F32(fconn);
-EDML_KERNEL_INTEGER(fconn, w16);
-EDML_KERNEL_INTEGER(fconn, w8);
-EDML_KERNEL_F32(equivariant);
-EDML_KERNEL_INTEGER(equivariant, w16);
-EDML_KERNEL_INTEGER(equivariant, w8);
-EDML_KERNEL_F32(fconv);
-EDML_KERNEL_INTEGER(fconv, w8);
+#define EDML_KERNEL_OF(network, weights, value)                                                          \
+    EDML_INTERNAL void edml__##network##_##weights(value *out, const value *in, const edml_model *model, \
+                                                   void *scratch);                                       \
+    EDML_INTERNAL uint32_t edml__##network##_checksum_##weights(const edml_model *model)
 
 #endif

@@ -6,6 +6,13 @@
 #include "helpers.h"
 #include "network/kernels.h" /* to make models of our own: what a generated header fills in */
 
+EDML_KERNEL(fconn, f32);
+EDML_KERNEL(fconn, w16);
+EDML_KERNEL(fconn, w8);
+EDML_KERNEL(equivariant, f32);
+EDML_KERNEL(equivariant, w16);
+EDML_KERNEL(equivariant, w8);
+
 static edml_work work;
 static float edm[EDML_PAIRS], distance[EDML_PAIRS], again[EDML_PAIRS];
 

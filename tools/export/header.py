@@ -218,6 +218,7 @@ def model_text(
     weight, misfit, distance = (settings.fusion[name] for name in NO_FUSION)
     fusion = ", ".join(map(number_text, (weight * misfit**2, misfit**2, 1 / distance)))
     return f"""\
+EDML_KERNEL({kind.name}, {form});
 extern const edml_model edml_{model};
 const edml_model edml_{model} = {{
     "{model}",
