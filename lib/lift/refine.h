@@ -211,7 +211,7 @@ static real bracket(const cubic *s)
     return high;
 }
 
-/* First minimum of the quartic for t > 0, or LONGEST; 0 where it does not fall. */
+/* First minimum of the quartic for t > 0, or MAX_STEP; 0 where it does not fall. */
 static real line_minimum(quartic sum)
 {
     const cubic slope = slope_of(sum);

@@ -1,14 +1,17 @@
 """The command line: edmlift lift, draw, models, formats."""
 
 import argparse
+import contextlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import BinaryIO, TextIO
 
 import numpy as np
 
+from edmlift._binding import JOINT_COUNT
 from edmlift._version import __version__
 from edmlift.drawing import COLUMNS, MAX_COLUMNS, draw, draw_joint_diagram, spread
 from edmlift.files import (
@@ -21,7 +24,7 @@ from edmlift.files import (
     read_poses,
     read_truth,
 )
-from edmlift.formats import FORMATS
+from edmlift.formats import FORMATS, find_format
 from edmlift.keypoints import read_joints
 from edmlift.lifting import Poses, lift
 from edmlift.metrics import mpjpe
@@ -36,6 +39,19 @@ keypoints: x,y or x,y,c of each joint, a pose a line; or JSON lines, objects wit
 
 class CommandError(Exception):
     """What is wrong, in one line."""
+
+
+class OptionError(CommandError):
+    """What is wrong with an option."""
+
+
+@contextlib.contextmanager
+def _options() -> Iterator[None]:
+    """A ValueError in here is about an option."""
+    try:
+        yield
+    except ValueError as error:
+        raise OptionError(str(error)) from None
 
 
 # ---- Options -----------------------------------------------------------------------------------
@@ -159,19 +175,37 @@ def _lift(options: argparse.Namespace) -> int:
     source = options.keypoints
     as_json = options.json or (source != "-" and is_json(source))
     if as_json and options.header:
-        raise CommandError("--header is for CSV, not for JSON lines")
-    data = sys.stdin.buffer.read() if source == "-" else Path(source).read_bytes()
+        raise OptionError("--header is for CSV, not for JSON lines")
+    _check_lift_options(options)
+    data = _bytes_of(sys.stdin, "input").read() if source == "-" else Path(source).read_bytes()
     lines = read_lines(data, options.format, as_json)
     poses = _lift_lines(lines, options)
     for index, problem in lines.problems.items():
         print(f"edmlift: {source}:{lines.numbers[index]}: {problem}", file=sys.stderr)
     text = json_lines(poses, lines.objects) if as_json else csv_lines(poses, options.header)
-    out = "".join(f"{line}\n" for line in text)
+    out = "".join(f"{line}\n" for line in text).encode()
     if options.out is None:
-        sys.stdout.write(out)
+        _bytes_of(sys.stdout, "output").write(out)
     else:
-        Path(options.out).write_text(out, encoding="utf-8", newline="\n")
+        Path(options.out).write_bytes(out)
     return TROUBLE if lines.problems else 0
+
+
+def _bytes_of(stream: TextIO | None, name: str) -> BinaryIO:
+    """A standard stream, in UTF-8 whatever the terminal has."""
+    if stream is None:
+        raise CommandError(f"the standard {name} is closed")
+    return stream.buffer
+
+
+def _check_lift_options(options: argparse.Namespace) -> None:
+    """Before a file is read: lifts nobody by these options."""
+    with _options():
+        count = JOINT_COUNT if options.format is None else find_format(options.format).keypoints
+        lift(
+            np.zeros((0, count, 3)), options.model, format=options.format,
+            threshold=options.threshold, image=options.image, fixed=options.fixed,
+        )  # fmt: skip
 
 
 def _lift_lines(lines: Lines, options: argparse.Namespace) -> Poses:
@@ -189,7 +223,7 @@ def _draw(options: argparse.Namespace) -> int:
         draw_joint_diagram(options.joint_diagram)
         return 0
     if options.keypoints is None or options.out is None:
-        raise CommandError("draw needs a file of 2D poses and --out, or --joint-diagram")
+        raise OptionError("draw needs a file of 2D poses and --out, or --joint-diagram")
     poses = _read_drawn(options)
     truth = read_truth(options.truth) if options.truth else None
     if truth is not None and len(truth) != len(poses.joints):
@@ -197,10 +231,11 @@ def _draw(options: argparse.Namespace) -> int:
             f"the files must hold equally many poses: {options.keypoints} has "
             f"{len(poses.joints)}, {options.truth} has {len(truth)}"
         )
-    draw(
-        poses, options.out, truth=truth, title=options.title, pitch=options.pitch,
-        frames=_frames(options, len(poses.joints)), pictures=options.pictures, fps=options.fps,
-    )  # fmt: skip
+    with _options():
+        draw(
+            poses, options.out, truth=truth, title=options.title, pitch=options.pitch,
+            frames=_frames(options, len(poses.joints)), pictures=options.pictures, fps=options.fps,
+        )  # fmt: skip
     if truth is not None:
         _print_errors(poses, truth)
     return 0
@@ -209,13 +244,15 @@ def _draw(options: argparse.Namespace) -> int:
 def _read_drawn(options: argparse.Namespace) -> Poses:
     """What is drawn: the keypoints of a file, with the poses of another or lifted here."""
     path = Path(options.keypoints)
+    options.fixed = False
+    if options.lifted is None:
+        _check_lift_options(options)
     lines = read_lines(path.read_bytes(), options.format, is_json(path))
     if len(lines.problems) == len(lines.numbers):
         raise CommandError(
             ": ".join([f"{path}: holds no pose", *list(lines.problems.values())[:1]])
         )
     if options.lifted is None:
-        options.fixed = False
         return _lift_lines(lines, options)
     joints, _ = read_joints(lines.keypoints, options.format, options.threshold, options.image)
     poses = read_poses(options.lifted)
@@ -231,14 +268,14 @@ def _frames(options: argparse.Namespace, count: int) -> list[int] | None:
     """The frames of a sheet; None for all of an animation."""
     if Path(options.out).suffix.lower() == ".gif":
         if (options.frame, options.frames) != (None, None):
-            raise CommandError("--frame and --frames are for a .png; a .gif has the whole sequence")
+            raise OptionError("--frame and --frames are for a .png; a .gif has the whole sequence")
         return None
     if options.frame is not None:
         if not 0 <= options.frame < count:
-            raise CommandError(f"--frame {options.frame}: there are frames 0 to {count - 1}")
+            raise OptionError(f"--frame {options.frame}: there are frames 0 to {count - 1}")
         return [options.frame]
     if options.frames is not None and not 1 <= options.frames <= MAX_COLUMNS:
-        raise CommandError(f"--frames {options.frames}: must be 1 to {MAX_COLUMNS}")
+        raise OptionError(f"--frames {options.frames}: must be 1 to {MAX_COLUMNS}")
     return spread(count, options.frames or COLUMNS)
 
 
@@ -253,9 +290,11 @@ def _print_errors(poses: Poses, truth: np.ndarray) -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command; returns its exit status: 0, 1 for trouble with files, 2 for wrong options."""
     options = _parser().parse_args(arguments)
+    code = TROUBLE
     try:
         status: int = options.run(options)
-        sys.stdout.flush()
+        if sys.stdout is not None:
+            sys.stdout.flush()
         return status
     except BrokenPipeError:  # whoever read the output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -265,5 +304,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         message = f"{name}{error.strerror or error}"
     except (CommandError, ImportError, ValueError) as error:
         message = str(error)
+        if isinstance(error, OptionError):
+            code = WRONG_OPTION
     print(f"edmlift: {message}", file=sys.stderr)
-    return TROUBLE
+    return code

@@ -7,6 +7,7 @@ with # are skipped.  A name that ends in .jsonl, .ndjson or .json holds JSON lin
 """
 
 import json
+import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -144,7 +145,7 @@ def _numbers(text: str) -> list[float]:
     numbers = []
     for n, field in enumerate(re.split(r"[ \t\r]*,[ \t\r]*|[ \t\r]+", text), 1):
         try:
-            if "_" in field:
+            if "_" in field or not field.isascii():  # float() takes them
                 raise ValueError
             numbers.append(float(field))
         except ValueError:
@@ -220,8 +221,15 @@ def _keypoint(number: int, given: Any) -> list[float]:
         if given[:2] == [None, None]:
             return [0.0, 0.0, 0.0]
         if all(isinstance(v, int | float) and not isinstance(v, bool) for v in given):
-            return [float(v) for v in (*given, 1.0)[:3]]
+            return [_float(v) for v in (*given, 1.0)[:3]]
     raise ValueError(f"keypoint {number} is not null, [x, y] or [x, y, c]")
+
+
+def _float(value: float) -> float:
+    try:
+        return float(value)
+    except OverflowError:  # an integer of over 300 digits: as strtof() has it
+        return math.inf if value > 0 else -math.inf
 
 
 def _pose_fields(text: str) -> tuple[str, list[float]]:
@@ -290,7 +298,9 @@ def json_lines(
             members["joints"] = [[_six(v) for v in joint] for joint in poses.joints[i]]
             members["mirror_margin"] = _six(poses.mirror_margin[i])
             members["residual"] = _six(poses.residual[i])
-        yield json.dumps(members, separators=(",", ":"), ensure_ascii=False)
+        text = json.dumps(members, separators=(",", ":"), ensure_ascii=False)
+        # Half of a surrogate pair is JSON when escaped, but has no UTF-8.
+        yield re.sub("[\ud800-\udfff]", lambda half: f"\\u{ord(half[0]):04x}", text)
 
 
 def _six(value: np.float32) -> float:

@@ -1,6 +1,8 @@
 """What callers give, checked and brought to the 14 joints that a lift takes."""
 
 import ctypes
+import math
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -54,7 +56,7 @@ def read_keypoints(
     array = _numbers(keypoints)
     if array.ndim not in (2, 3) or array.shape[-2] != count or array.shape[-1] not in (2, 3):
         raise ValueError(_wrong_shape(array.shape, format, count))
-    if not (np.isfinite(threshold) and threshold >= 0):
+    if not (isinstance(threshold, Real) and math.isfinite(threshold) and threshold >= 0):
         raise ValueError(f"threshold must be a finite number >= 0, not {threshold}")
     single = array.ndim == 2
     seen = _with_confidence(array[None] if single else array, threshold)
@@ -62,6 +64,8 @@ def read_keypoints(
 
 
 def _numbers(keypoints: ArrayLike) -> NDArray[np.float32]:
+    if isinstance(keypoints, np.ma.MaskedArray):  # what is masked is missing
+        keypoints = keypoints.astype(float).filled(np.nan)
     array = np.asarray(keypoints)
     if array.dtype.kind not in "iuf":
         raise ValueError(f"keypoints must be real numbers in one array, not of dtype {array.dtype}")

@@ -67,11 +67,12 @@ def stand(poses: Poses, up: Sequence[float] = (0.0, -1.0, 0.0)) -> NDArray[np.fl
     up  where upwards is in the camera's axes, of any length, as an accelerometer at rest measures
         it; the default is a level camera
     """
-    direction = np.asarray(up, float)
+    with np.errstate(over="ignore"):
+        direction = np.asarray(up, float).astype(np.float32)  # as C takes it
     if direction.shape != (3,) or not (np.isfinite(direction).all() and direction.any()):
         raise ValueError(f"up must be three finite numbers, not all 0, not {up!r}")
     given, single = batched(poses)
-    out, _ = stand_joints(load(), given, tuple(direction))
+    out, _ = stand_joints(load(), given, tuple(direction.tolist()))
     return out[0] if single else out
 
 

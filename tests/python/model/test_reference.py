@@ -11,12 +11,11 @@ from data import cameras
 from edmlift import joints as skeleton
 from model import reference
 
-POSITIONS = 5e-5  # metres: the promise of the header and of tests/tolerance.h
+POSITIONS = 5e-5  # metres: the promise of the header and of tests/support/tolerance.h
+TEXT = (ROOT / "tests" / "support" / "tolerance.h").read_text()
 TOLERANCE = {
     name: float(value)
-    for name, value in re.findall(
-        r"#define (\w+_TOLERANCE) ([\d.e-]+)F", (ROOT / "tests" / "tolerance.h").read_text()
-    )
+    for name, value in re.findall(r"#define (\w+_TOLERANCE)[ \\\n]+([\d.e-]+)F", TEXT)
 }
 COUNT = 500
 

@@ -477,3 +477,23 @@ def test_every_public_name_is_documented():
 def test_the_first_screen_lifts_a_pose():
     keypoints = edmlift.read_keypoints(DATA / "walk.csv")
     assert edmlift.lift(keypoints).ok.all()
+
+
+def test_a_masked_joint_is_missing():
+    keypoints = np.ma.masked_array(WALK.copy())
+    keypoints[0, [9, 12], :2] = np.ma.masked
+    missing = WALK.copy()
+    missing[0, [9, 12], :2] = np.nan
+    same(edmlift.lift(keypoints), edmlift.lift(missing))
+
+
+@pytest.mark.parametrize("threshold", [None, "0.3", [0.3], np.nan, -1])
+def test_a_threshold_is_a_number(threshold: object):
+    with pytest.raises(ValueError, match="threshold must be a finite number"):
+        edmlift.lift(WALK, threshold=threshold)
+
+
+@pytest.mark.parametrize("length", [1e300, 1e-300])
+def test_a_direction_that_c_cannot_hold_is_refused(length: float):
+    with pytest.raises(ValueError, match="up must be three finite numbers, not all 0"):
+        edmlift.stand(edmlift.lift(WALK), (0, -length, 0))

@@ -1,6 +1,7 @@
 """python -m edmlift: lift, draw, and what it says when it cannot."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -24,9 +25,9 @@ def run(*arguments: str | Path) -> int:
     return main([str(argument) for argument in arguments])
 
 
-def fails(capsys: pytest.CaptureFixture, *arguments: str | Path) -> str:
+def fails(capsys: pytest.CaptureFixture, *arguments: str | Path, status: int = 1) -> str:
     """The one line that it says when it gives up."""
-    assert run(*arguments) == 1
+    assert run(*arguments) == status
     printed = capsys.readouterr()
     assert printed.out == "" and printed.err.count("\n") == 1
     assert printed.err.startswith("edmlift: ")
@@ -108,11 +109,50 @@ def test_names(capsys: pytest.CaptureFixture):
 def test_what_lift_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture):
     assert "none.csv: No such file" in fails(capsys, "lift", tmp_path / "none.csv")
     assert "Is a directory" in fails(capsys, "lift", tmp_path)
-    assert "there are coco17" in fails(capsys, "lift", WALK_CSV, "--format", "coco")
-    assert "there are fconn_f32" in fails(capsys, "lift", WALK_CSV, "--model", "fconn")
-    assert "threshold must be" in fails(capsys, "lift", WALK_CSV, "--threshold", "-1")
     (tmp_path / "in.jsonl").write_text("")
-    assert "not for JSON" in fails(capsys, "lift", tmp_path / "in.jsonl", "--header")
+    for message, *options in [
+        ("there are coco17", WALK_CSV, "--format", "coco"),
+        ("there are fconn_f32", WALK_CSV, "--model", "fconn"),
+        ("does not lift in fixed point", WALK_CSV, "--fixed", "--model", "fconn_f32"),
+        ("threshold must be", WALK_CSV, "--threshold", "-1"),
+        ("threshold must be", tmp_path / "none.csv", "--threshold", "nan"),
+        ("not for JSON", tmp_path / "in.jsonl", "--header"),
+    ]:
+        assert message in fails(capsys, "lift", *options, status=2)
+
+
+def test_the_json_option_overrules_the_name(tmp_path: Path, capsys: pytest.CaptureFixture):
+    source = tmp_path / "in.txt"
+    source.write_text(json.dumps({"keypoints": WALK[0].tolist()}) + "\n")
+    assert run("lift", source, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["status"] == "ok"
+
+
+def test_the_size_of_the_image_is_asked_for_in_plain_words(capsys: pytest.CaptureFixture):
+    with pytest.raises(SystemExit):
+        run("lift", WALK_CSV, "--image", "3")
+    assert "argument --image: must be W,H in pixels, not '3'" in capsys.readouterr().err
+
+
+def test_output_is_utf_8_whatever_the_terminal_has(tmp_path: Path):
+    source = tmp_path / "in.jsonl"
+    line = json.dumps({"name": "\N{SNOWMAN}", "keypoints": WALK[0].tolist()}, ensure_ascii=False)
+    source.write_text(line, encoding="utf-8")
+    result = subprocess.run(
+        [sys.executable, "-m", "edmlift", "lift", source],
+        capture_output=True, cwd=ROOT / "tools", env=os.environ | {"PYTHONIOENCODING": "ascii"},
+    )  # fmt: skip
+    assert result.stderr == b"" and "\N{SNOWMAN}".encode() in result.stdout
+
+
+@pytest.mark.parametrize(("redirection", "name"), [("<&-", "input"), (">&-", "output")])
+def test_a_closed_stream_is_said(redirection: str, name: str):
+    source = "-" if name == "input" else str(WALK_CSV)
+    command = f"{sys.executable} -m edmlift lift {source} {redirection}"
+    result = subprocess.run(
+        ["bash", "-c", command], capture_output=True, text=True, cwd=ROOT / "tools"
+    )
+    assert result.stderr == f"edmlift: the standard {name} is closed\n" and result.returncode == 1
 
 
 @pytest.mark.parametrize("options", [(), ("fly",), ("lift",), ("lift", "x", "--image", "3")])
@@ -189,13 +229,21 @@ def test_what_draw_cannot_do(tmp_path: Path, lifted: Path, capsys: pytest.Captur
     assert "kick_truth.csv has 47" in message
     assert "not a pose as lift_stdin" in fails(capsys, "draw", WALK_CSV, WALK_CSV, "--out", out)
     assert "holds no pose: " in fails(capsys, "draw", lifted, lifted, "--out", out)
-    assert "--frame 39: " in fails(capsys, "draw", WALK_CSV, "--out", out, "--frame", "39")
-    assert "--frames 25: " in fails(capsys, "draw", WALK_CSV, "--out", out, "--frames", "25")
+    assert "--frame 39: " in fails(
+        capsys, "draw", WALK_CSV, "--out", out, "--frame", "39", status=2
+    )
+    assert "--frames 25: " in fails(
+        capsys, "draw", WALK_CSV, "--out", out, "--frames", "25", status=2
+    )
     gif = tmp_path / "x.gif"
-    assert "whole sequence" in fails(capsys, "draw", WALK_CSV, "--out", gif, "--frames", "3")
-    assert "must end in" in fails(capsys, "draw", WALK_CSV, "--out", tmp_path / "x.jpg")
-    assert "pitch must be" in fails(capsys, "draw", WALK_CSV, "--out", out, "--pitch", "91")
-    assert "--joint-diagram" in fails(capsys, "draw", WALK_CSV)
+    assert "whole sequence" in fails(
+        capsys, "draw", WALK_CSV, "--out", gif, "--frames", "3", status=2
+    )
+    assert "must end in" in fails(capsys, "draw", WALK_CSV, "--out", tmp_path / "x.jpg", status=2)
+    assert "pitch must be" in fails(
+        capsys, "draw", WALK_CSV, "--out", out, "--pitch", "91", status=2
+    )
+    assert "--joint-diagram" in fails(capsys, "draw", WALK_CSV, status=2)
     assert "No such file" in fails(capsys, "draw", WALK_CSV, "--out", tmp_path / "no" / "x.png")
     assert "none.png" in fails(capsys, "draw", WALK_CSV, "--out", out, "--pictures", "none.png")
     assert not out.exists() and not gif.exists()

@@ -219,3 +219,27 @@ def test_a_header_is_not_for_json(tmp_path: Path):
     need_library()
     with pytest.raises(ValueError, match="not for JSON"):
         edmlift.write_poses(tmp_path / "x.jsonl", edmlift.lift(WALK), header=True)
+
+
+# ---- What Python takes and lift_stdin does not, and the reverse ---------------------------------
+
+
+def test_an_integer_beyond_all_floats_is_not_finite():
+    joints = WALK[0].tolist()
+    for digits in ("9" * 400, "-" + "9" * 400):
+        line = json.dumps({"keypoints": joints}).replace(json.dumps(joints[0][0]), digits, 1)
+        lines = files.read_lines(line.encode(), None, True)
+        assert not lines.problems and edmlift.lift(lines.keypoints).status[0] == "not_finite"
+
+
+def test_half_a_surrogate_pair_comes_out_as_it_went_in():
+    line = json.dumps({"name": "\ud800 \N{SNOWMAN}", "keypoints": WALK[0].tolist()})
+    lines = files.read_lines(line.encode(), None, True)
+    (written,) = files.json_lines(edmlift.lift(lines.keypoints), lines.objects)
+    answer = json.loads(written.encode("utf-8"))
+    assert answer["name"] == "\ud800 \N{SNOWMAN}" and answer["status"] == "ok"
+
+
+def test_digits_of_other_scripts_are_no_numbers():
+    lines = files.read_lines("\u0663,1,1".encode(), None, False)
+    assert lines.problems == {0: "field 1 is not a number (commas or blanks separate them)"}
