@@ -51,7 +51,7 @@ OTHER = text(WALK[20])
 
 def run(data: str | bytes, *options: str) -> subprocess.CompletedProcess:
     data = data.encode() if isinstance(data, str) else data
-    return subprocess.run([PROGRAM, *options], input=data, capture_output=True, timeout=60)
+    return subprocess.run([PROGRAM, *options], input=data, capture_output=True, timeout=300)
 
 
 def rows(result: subprocess.CompletedProcess) -> list[list[str]]:

@@ -87,7 +87,7 @@ def run(*command: object, **options: Any) -> str:
     """Standard output of a command."""
     texts = [str(part) for part in command]
     try:
-        done = subprocess.run(texts, capture_output=True, text=True, timeout=300, **options)
+        done = subprocess.run(texts, capture_output=True, text=True, timeout=1500, **options)
     except FileNotFoundError:
         raise ToolError(f"{texts[0]} is not installed; tools/check installs it") from None
     if done.returncode != 0:
