@@ -28,7 +28,7 @@ extern const edml_imputation edml_default_imputation;
 /* Distances between the joints in the image, normalised: one factor for x and y, so that half the height of
  * the seen joints is 1 (section 3.1).
  *   edm            [91], up to about 2 * max_aspect; more if missing joints are imputed far outside
- *   fewest_joints  that must be seen; else EDML_ERR_TOO_FEW_JOINTS
+ *   fewest_joints  >= 1, that must be seen; else EDML_ERR_TOO_FEW_JOINTS
  *   max_aspect     of the width to the height of the seen joints; beyond it: EDML_ERR_ASPECT
  *   imputation     where missing joints are, at most 9; NULL: their pairs are zero
  * Also returns EDML_ERR_NOT_FINITE and EDML_ERR_DEGENERATE, the latter also for a singular imputation. */

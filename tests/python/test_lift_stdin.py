@@ -253,7 +253,7 @@ def test_numbers_are_the_librarys_to_six_digits():
 def test_origin_is_mid_hip_and_the_size_is_human():
     joints = numbers(ANSWER)[:42].reshape(14, 3)
     np.testing.assert_allclose(joints[8] + joints[11], 0, atol=2e-6)
-    assert 1.2 < np.ptp(joints[:, 1]) < 2.2  # metres; head top to ankle of somebody who walks
+    assert 1.2 < np.ptp(joints[:, 1]) < 2.2  # metres; head to ankle of somebody who walks
 
 
 def test_the_decimal_point_is_no_matter_of_the_locale():
@@ -418,7 +418,7 @@ COCO_LIMBS = [6, 8, 10, 5, 7, 9, 12, 14, 16, 11, 13, 15]
 
 
 def coco(pose: np.ndarray = WALK[0]) -> np.ndarray:
-    """Keypoints [17,3] of a person whose ears are where the joint called head top is."""
+    """Keypoints [17,3] of a person whose ears are where the joint called head is."""
     keypoints = np.zeros((17, 3))
     keypoints[COCO_LIMBS] = pose[2:]
     keypoints[3] = pose[0] + [6, 0, 0]

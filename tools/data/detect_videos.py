@@ -48,7 +48,7 @@ CLIPS["street"] = Clip("sports2d", "Sports2D/Demo/demo.mp4", 10)
 class Detections:
     """What the detector says of F frames; zeros where it finds nobody."""
 
-    keypoints: np.ndarray  # [F,33,3] shares of the image's width and height, visibility
+    keypoints: np.ndarray  # [F,33,3] normalised by the width and height, visibility
     world: np.ndarray  # [F,33,3] metres: x right, y down, z away, origin mid-hip
     size: tuple[int, int]  # of the image, pixels
     rate: float  # of the written frames, per second
@@ -90,7 +90,7 @@ def write_clip(folder: Path, name: str, clip: Clip, found: Detections) -> None:
     width, height = found.size
     text = (
         f"# {name}: detections, one frame a line, x,y,visibility of BlazePose's 33 keypoints;",
-        f"# shares of {width} x {height} pixels, y down; {found.rate:g} lines a second.",
+        f"# normalised by {width} x {height} pixels, y down; {found.rate:g} lines a second.",
         *origin,
     )
     _write_csv(folder / f"{name}.csv", text, found.keypoints, ("%.5f", "%.5f", "%.3f"))

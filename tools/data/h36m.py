@@ -153,7 +153,7 @@ def _check_people(where: str, joints: np.ndarray) -> None:
     up = joints[:, [INDEX["head"]]] - joints[:, indices(("right_ankle", "left_ankle"))]
     stature = np.median(np.linalg.norm(up, axis=-1))
     if not STATURE_RANGE[0] <= stature <= STATURE_RANGE[1]:
-        raise MocapError(f"{where}: the unit is not metres: head top to ankle is {stature:.4g}")
+        raise MocapError(f"{where}: the unit is not metres: head to ankle is {stature:.4g}")
     rise = np.median(up[..., 1])
     if rise < LEAST_RISE:
         raise MocapError(f"{where}: z does not point up: the head is {rise:.2f} m over the ankles")

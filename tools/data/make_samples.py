@@ -118,7 +118,7 @@ def read_clip(text: str) -> np.ndarray:
     return frames[:: max(1, round(1 / (FPS * frames[0, 0])))]
 
 
-def pose_model(frames: np.ndarray, links: list[Link], head_top: np.ndarray) -> np.ndarray:
+def pose_model(frames: np.ndarray, links: list[Link], head_end: np.ndarray) -> np.ndarray:
     """Forward kinematics: frames [F,44] -> our joints [F,14,3], world, metres."""
     relative = _rotations(frames)
     rotation = {"base": Rotation.identity(len(frames))}
@@ -127,7 +127,7 @@ def pose_model(frames: np.ndarray, links: list[Link], head_top: np.ndarray) -> n
         place[link.name] = place[link.parent] + rotation[link.parent].apply(link.offset)
         own = relative.get(link.name, Rotation.identity())
         rotation[link.name] = rotation[link.parent] * own
-    place["head"] = place["neck"] + rotation["neck"].apply(head_top)
+    place["head"] = place["neck"] + rotation["neck"].apply(head_end)
     place["neck_base"] = place["neck"]
     return np.stack([place[joint] for joint in JOINTS], 1)
 
@@ -209,10 +209,10 @@ def write_samples(wheel: Path, folder: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         # A stray byte follows the closing tag.
         model = archive.read(MODEL).decode().rpartition("</robot>")
-        links, head_top = read_model(ElementTree.fromstring(model[0] + model[1]))
+        links, head_end = read_model(ElementTree.fromstring(model[0] + model[1]))
         for name in ("walk", "cartwheel", "kick"):
             frames = read_clip(archive.read(CLIP.format(name)).decode())
-            write_clip(folder, name, pose_model(frames, links, head_top))
+            write_clip(folder, name, pose_model(frames, links, head_end))
     write_clip(folder, "tpose", np.array([[T_POSE[joint] for joint in JOINTS]]))
 
 

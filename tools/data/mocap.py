@@ -79,7 +79,7 @@ BVH_LOST = {
 # Names of joints in files that were made before: their names today.
 OLDER_NAMES = {"head_top": "head", "neck": "neck_base"}
 
-STATURE = 1.6  # metres, head top to ankle of an adult ...
+STATURE = 1.6  # metres, head to ankle of an adult ...
 STATURE_RANGE = (0.8, 2.6)  # ... and what may still be a person
 T_POSE_DEGREES = 15.0  # limbs of a T-pose are straight, its arms level, to within this
 FAST_MARGIN = 0.1  # seconds dropped on both sides of an impossible speed
@@ -746,7 +746,7 @@ def _checked(motion: Motion, path: Path) -> Motion:
     stature = np.median(np.linalg.norm(joints[:, [INDEX["head"]]] - ankles, axis=-1))
     if not STATURE_RANGE[0] <= stature <= STATURE_RANGE[1]:
         raise MocapError(
-            f"{path}: the units look wrong: head top to ankle is {stature:.4g} m (median), "
+            f"{path}: the units look wrong: head to ankle is {stature:.4g} m (median), "
             f"{stature / STATURE:.4g} times a person's"
         )
     return motion

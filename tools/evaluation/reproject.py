@@ -22,7 +22,7 @@ from evaluation.command import Evaluation, Tables
 from reports.markdown import table
 
 # LSP's order: the right leg from the ankle up, the left one from the hip down, the arms likewise
-# from the right wrist to the left, neck, head top.  The index there of each of our joints:
+# from the right wrist to the left, neck, head (its top).  The index there of each of our joints:
 LSP = [13, 12, 8, 7, 6, 9, 10, 11, 2, 1, 0, 3, 4, 5]
 
 PARTS = {

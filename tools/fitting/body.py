@@ -41,7 +41,7 @@ def chain(bones: np.ndarray) -> np.ndarray:
 
 
 def shares(people: Bodies) -> dict[str, float]:
-    """Lengths of the bones, and of the chain, as shares of the standing height."""
+    """Lengths of the bones, and of the chain, relative to the standing height."""
     found = by_type(people.bone / people.height[:, None])
     found["chain"] = chain(people.bone) / people.height
     return {kind: round(float(value.mean()), 3) for kind, value in found.items()}
@@ -229,7 +229,7 @@ def fit(library: Library, motion: Motion) -> Constants:
 
 def report(found: Constants) -> str:
     """The constants as text, by the file that holds them."""
-    lines = [f"stand.h: ankle {found.ankle:.2f} m", "body.h: shares of the standing height"]
+    lines = [f"stand.h: ankle {found.ankle:.2f} m", "body.h: proportions of the standing height"]
     lines += [f"  {kind} {share:.3f}" for kind, share in found.shares.items()]
     lines += [f"  bones of one person disagree by a factor of {found.disagreement:.2f} at most"]
     lines += ["quality.h: range of bones, metres"]

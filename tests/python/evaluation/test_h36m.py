@@ -220,7 +220,7 @@ def with_nan(joints: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(
     ("positions", "message"),
     [
-        (changed(lambda j: j * 1000), "S1: the unit is not metres: head top to ankle is 15"),
+        (changed(lambda j: j * 1000), "S1: the unit is not metres: head to ankle is 15"),
         (changed(lambda j: j[..., [0, 2, 1]]), "S1: z does not point up"),
         (changed(lambda j: -j), "S1: z does not point up"),
         (changed(with_nan), "S1, 'Walking': frame 3, right_elbow is not finite"),
