@@ -173,7 +173,7 @@ typedef struct {
     uint8_t crown, centre;         /* top of the skull; middle of the head */
 } edml_format;
 
-enum { EDML_NO_KEYPOINT = 255, EDML_FORMATS = 14 };
+enum { EDML_NO_KEYPOINT = 255 };
 
 extern const edml_format edml_coco17; /* YOLO-pose, PoseNet, ViTPose, RTMPose body; also MoveNet, once y and
                                          x are exchanged and multiplied by the side of its square input */
@@ -181,8 +181,8 @@ extern const edml_format edml_body25, edml_body25b, edml_coco18, edml_mpi15; /* 
 extern const edml_format edml_halpe26, edml_blazepose33;                     /* RTMPose body26; MediaPipe */
 extern const edml_format edml_cpm14, edml_mpii16, edml_lsp14, edml_crowdpose14, edml_aic14;
 extern const edml_format edml_h36m17_right_first, edml_h36m17_left_first; /* Human3.6M: which leg first */
-extern const edml_format *const edml_formats[EDML_FORMATS];               /* all of these */
-const edml_format *edml_format_find(const char *name);                    /* NULL: unknown */
+extern const edml_format *const edml_formats[]; /* all of these, then NULL */
+const edml_format *edml_format_find(const char *name); /* NULL: unknown */
 
 /* Converts keypoints to joints.  Limbs are copied.  Head and neck base are computed from the shoulders, the
  * hips and what is seen of the head.  Their confidence is half the lowest of their inputs; it is 0 if a

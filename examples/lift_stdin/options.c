@@ -89,7 +89,7 @@ static void print_models(FILE *file)
 
 static void print_formats(FILE *file)
 {
-    for (int n = 0; n < EDML_FORMATS; n++)
+    for (int n = 0; edml_formats[n] != NULL; n++)
         fprintf(file, "%s %d\n", edml_formats[n]->name, edml_formats[n]->keypoints);
 }
 

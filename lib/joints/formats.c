@@ -38,7 +38,7 @@ const edml_format edml_crowdpose14 = {"crowdpose14", 14, 0, {1, 3, 5, 0, 2, 4, 7
                                       NO_FACE,       12, NO};
 const edml_format edml_aic14 = {"aic14", 14, 0, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, NO_FACE, 12, NO};
 
-const edml_format *const edml_formats[EDML_FORMATS] = {
+const edml_format *const edml_formats[] = {
     &edml_coco17,
     &edml_body25,
     &edml_body25b,
@@ -53,6 +53,7 @@ const edml_format *const edml_formats[EDML_FORMATS] = {
     &edml_halpe26,
     &edml_crowdpose14,
     &edml_aic14,
+    NULL,
 };
 
 static int same_text(const char *a, const char *b) /* strcmp() would be a dependency */
@@ -63,7 +64,7 @@ static int same_text(const char *a, const char *b) /* strcmp() would be a depend
 
 const edml_format *edml_format_find(const char *name)
 {
-    for (int n = 0; n < EDML_FORMATS; n++)
+    for (int n = 0; edml_formats[n] != NULL; n++)
         if (same_text(edml_formats[n]->name, name)) return edml_formats[n];
     return NULL;
 }

@@ -378,8 +378,10 @@ static void keypoints_of_any_detector(void)
     memset(given, 0, sizeof given);
     memset(expected, 0, sizeof expected);
     memset(found, 0, sizeof found);
+    int formats = 0;
+    while (edml_formats[formats] != NULL) formats++;
     for (int n = 0; n < 20000; n++) {
-        const edml_format *const format = edml_formats[n % EDML_FORMATS];
+        const edml_format *const format = edml_formats[n % formats];
         const int32_t ends[] = {ROOM - 1, 1 - ROOM, ROOM, INT32_MIN};
         checked_tally taken;
         for (int k = 0; k < format->keypoints; k++) {

@@ -8,6 +8,9 @@
 
 #include "network/kernels.h"
 
+EDML_KERNEL(fconv, f32);
+EDML_KERNEL(fconv, w8);
+
 enum { TINY_LAYERS = 5, TINY_MAX_WEIGHTS = 49 * 16 * 16 };
 
 static int8_t tiny_weight[TINY_LAYERS][TINY_MAX_WEIGHTS];

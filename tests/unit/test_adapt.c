@@ -121,8 +121,9 @@ static void the_number_of_keypoints_is_that_of_the_list(void)
 
 static void every_format_is_found_by_its_name_and_no_other(void)
 {
-    TEST_ASSERT_EQUAL_INT(EDML_FORMATS, LISTS);
-    for (int n = 0; n < EDML_FORMATS; n++) {
+    TEST_ASSERT_NULL(edml_formats[LISTS]); /* the end */
+    for (int n = 0; n < LISTS; n++) {
+        TEST_ASSERT_NOT_NULL(edml_formats[n]);
         TEST_ASSERT_TRUE(edml_format_find(edml_formats[n]->name) == edml_formats[n]);
         TEST_ASSERT_TRUE(edml_format_find(lists[n].format->name) == lists[n].format);
     }
@@ -133,7 +134,7 @@ static void every_format_is_found_by_its_name_and_no_other(void)
 
 static void only_blazepose_is_normalised(void)
 {
-    for (int n = 0; n < EDML_FORMATS; n++)
+    for (int n = 0; edml_formats[n] != NULL; n++)
         TEST_ASSERT_EQUAL_INT(edml_formats[n] == &edml_blazepose33, edml_formats[n]->normalised);
 }
 

@@ -14,7 +14,6 @@ from numpy.typing import DTypeLike, NDArray
 JOINT_COUNT = 14
 BONE_COUNT = 13
 PAIR_COUNT = 91
-FORMAT_COUNT = 14  # EDML_FORMATS
 OK = 0
 NO_KEYPOINT = 255  # in an edml_format: the detector has no such keypoint
 OBJECTIVES = ("none", "square", "raw", "eq2")  # edml_objective

@@ -3,7 +3,7 @@
 import ctypes
 from collections.abc import Iterator, Mapping
 
-from edmlift._binding import FORMAT_COUNT, Format, load
+from edmlift._binding import Format, load
 
 
 class _Formats(Mapping[str, int]):
@@ -35,5 +35,10 @@ def find_format(name: str, c: ctypes.CDLL | None = None) -> Format:
 
 
 def _formats(c: ctypes.CDLL) -> dict[str, Format]:
-    listed = (ctypes.POINTER(Format) * FORMAT_COUNT).in_dll(c, "edml_formats")
-    return {entry.contents.name.decode(): entry.contents for entry in listed}
+    first = ctypes.POINTER(Format).in_dll(c, "edml_formats")
+    listed = ctypes.cast(ctypes.byref(first), ctypes.POINTER(ctypes.POINTER(Format)))
+    known = {}
+    while listed[len(known)]:  # NULL ends the list
+        entry = listed[len(known)].contents
+        known[entry.name.decode()] = entry
+    return known

@@ -186,7 +186,6 @@ def test_keypoints_become_integers():
 def test_constants_are_those_of_the_header():
     header = (ROOT / "include" / "edmlift.h").read_text("utf-8")
     for name, value in {
-        "EDML_FORMATS": _binding.FORMAT_COUNT,
         "EDML_NO_KEYPOINT": _binding.NO_KEYPOINT,
         "EDML_BONES": _binding.BONE_COUNT,
         "EDML_PAIRS": _binding.PAIR_COUNT,
