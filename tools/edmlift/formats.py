@@ -37,7 +37,7 @@ def find_format(name: str, c: ctypes.CDLL | None = None) -> Format:
 def _formats(c: ctypes.CDLL) -> dict[str, Format]:
     first = ctypes.POINTER(Format).in_dll(c, "edml_formats")
     listed = ctypes.cast(ctypes.byref(first), ctypes.POINTER(ctypes.POINTER(Format)))
-    known = {}
+    known: dict[str, Format] = {}
     while listed[len(known)]:  # NULL ends the list
         entry = listed[len(known)].contents
         known[entry.name.decode()] = entry

@@ -65,7 +65,7 @@ def read_keypoints(
 
 def _numbers(keypoints: ArrayLike) -> NDArray[np.float32]:
     if isinstance(keypoints, np.ma.MaskedArray):  # what is masked is missing
-        keypoints = keypoints.astype(float).filled(np.nan)
+        keypoints = np.ma.filled(np.ma.asarray(keypoints, float), np.nan)
     array = np.asarray(keypoints)
     if array.dtype.kind not in "iuf":
         raise ValueError(f"keypoints must be real numbers in one array, not of dtype {array.dtype}")

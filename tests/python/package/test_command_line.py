@@ -166,7 +166,8 @@ def test_wrong_options_have_status_2(options: tuple[str, ...], capsys: pytest.Ca
 
 
 @pytest.mark.parametrize("command", [[], ["lift"], ["draw"]])
-def test_help(command: list[str], capsys: pytest.CaptureFixture):
+def test_help(command: list[str], capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("COLUMNS", "80")  # of the terminal
     with pytest.raises(SystemExit) as exit_:
         run(*command, "--help")
     assert exit_.value.code == 0
