@@ -31,9 +31,11 @@ def need_core(target: targets.Target) -> None:
     need(target.system.qemu[0])
 
 
-def run_firmware(program: Path, target: targets.Target, folder: Path) -> str:
+def run_firmware(
+    program: Path, target: targets.Target, folder: Path, library: list[Path] = targets.SOURCES
+) -> str:
     """What a program prints on an emulated board."""
     need_core(target)
     image = folder / f"{program.stem}.elf"
-    targets.build(program, target, "-O2", image, library=targets.SOURCES)
+    targets.build(program, target, "-O2", image, library=library)
     return targets.emulate(image, target)

@@ -18,6 +18,8 @@ from export import cli
 from reports import markdown, operations, size
 from reports.targets import TARGETS, compile_library, run
 
+pytestmark = pytest.mark.xdist_group("claims")  # the fixtures are measured once
+
 ACCURACY, LOG = (ROOT / "docs" / name for name in ("accuracy.md", "accuracy-log.md"))
 
 
