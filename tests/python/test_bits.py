@@ -7,11 +7,17 @@ from pathlib import Path
 import pytest
 from builds import need, need_cross_compiler, run_firmware
 
-from reports.targets import INCLUDES, ROOT, SOURCES, TARGETS, library_flags, run
+from reports.targets import (
+    FCONN_SOURCES,
+    INCLUDES,
+    ROOT,
+    SOURCES,
+    TARGETS,
+    library_flags,
+    run,
+)
 
 PROGRAM = ROOT / "tests" / "targets" / "bits.c"
-# It makes a small FConv of its own; the shipped ones would take half of the time to compile.
-LIBRARY = [source for source in SOURCES if not source.match("models/fconv_*.c")]
 EXPECTED = (ROOT / "tests" / "bits.txt").read_text()  # of gcc -O0 on x86-64; by make_tables
 
 
@@ -31,7 +37,7 @@ def test_every_compiler_and_level_gives_the_same_bits(
     need(compiler)
     program = tmp_path / "bits"
     flags = [*library_flags(), *options.split(), *INCLUDES]
-    run(compiler, *flags, PROGRAM, *LIBRARY, "-lm", "-o", program)
+    run(compiler, *flags, PROGRAM, *FCONN_SOURCES, "-lm", "-o", program)
     assert run(program) == EXPECTED
 
 
@@ -41,7 +47,7 @@ def test_no_flag_is_needed_for_these_bits(command: str, tmp_path: Path) -> None:
     compiler, *options = command.split()
     need(compiler)
     flags = ["-std=gnu11", "-O2", "-march=native", *options, *INCLUDES]
-    run(compiler, *flags, PROGRAM, *LIBRARY, "-lm", "-o", tmp_path / "bits")
+    run(compiler, *flags, PROGRAM, *FCONN_SOURCES, "-lm", "-o", tmp_path / "bits")
     assert run(tmp_path / "bits") == EXPECTED
 
 
@@ -77,4 +83,4 @@ def test_every_processor_gives_the_same_bits(name: str, tmp_path: Path) -> None:
     if name == "cortex-m0plus":  # three networks do not fit its board: its code on a larger one
         large = TARGETS["cortex-m3"]
         target = replace(target, board=large.board, flash=large.flash, ram=large.ram)
-    assert run_firmware(PROGRAM, target, tmp_path, LIBRARY) == EXPECTED
+    assert run_firmware(PROGRAM, target, tmp_path, FCONN_SOURCES) == EXPECTED

@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 from builds import need, need_core
 
-from reports.targets import ROOT, SOURCES, TARGETS, Target, build, emulate, run
+from reports.targets import ROOT, TARGETS, Target, build, compile_library, emulate, run
 
 EXAMPLE = ROOT / "examples" / "firmware"
 VARIANTS = ["float", "fixed"]
+MODELS = "-DEDMLIFT_MODELS=fconn_f32;fconn_w16"  # which the firmware names
 NO_FPU = ["cortex-m0plus", "cortex-m3", "rv32imc"]
 
 # The compiler's float arithmetic on processors that have none, and what is made with it.
@@ -29,7 +30,7 @@ def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """What each variant prints on this machine."""
     need("cmake")
     folder = tmp_path_factory.mktemp("host")
-    run("cmake", "-S", ROOT, "-B", folder, "-DCMAKE_BUILD_TYPE=Release")
+    run("cmake", "-S", ROOT, "-B", folder, "-DCMAKE_BUILD_TYPE=Release", MODELS)
     run("cmake", "--build", folder, "--target", *(f"firmware_{v}" for v in VARIANTS))
     return {v: run(folder / "examples" / "firmware" / f"firmware_{v}") for v in VARIANTS}
 
@@ -40,7 +41,7 @@ def core(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     need("cmake")
     need_core(TARGETS[request.param])
     folder = tmp_path_factory.mktemp(request.param)
-    run("cmake", "--preset", request.param, "-S", ROOT, "-B", folder)
+    run("cmake", "--preset", request.param, "-S", ROOT, "-B", folder, MODELS)
     run("cmake", "--build", folder)
     return request.param, folder
 
@@ -105,11 +106,12 @@ def test_fconv_in_fixed_point_has_no_float_code(name: str, tmp_path: Path) -> No
     if name == "cortex-m0plus":  # its board is too small
         target = replace(target, flash=TARGETS["cortex-m3"].flash, ram=TARGETS["cortex-m3"].ram)
     need_core(target)
+    library = compile_library(target, "-Os", tmp_path)
     for fixed, model in ((True, "w8"), (False, "f32")):
         options = [f"-DMODEL=edml_fconv_{model}", "-DFCONV", *(["-DFIXED"] if fixed else [])]
         image = tmp_path / f"{model}.elf"
         program = ROOT / "tests" / "targets" / "bench" / "smallest.c"
-        build(program, target, "-Os", image, *options, library=SOURCES)
+        build(program, target, "-Os", image, *options, library=library)
         assert (float_code(image, target) == set()) == fixed
 
 

@@ -1109,3 +1109,28 @@ def test_a_height_that_no_one_has(height: str):
     result = run(GOOD, "--height", height)
     assert (result.returncode, result.stdout) == (2, b"")
     assert f"'{height}'" in result.stderr.decode()
+
+
+# The float network stretches an arm to more than 4 m, which edml_quality() refuses.
+FAR = (
+    "0.311195,-29.6047,1,10.385,50,1,-79.6557,50,1,-27.8016,-24.8873,1,143.219,-50,1,"
+    "-68.8198,50,1,66.7691,-50,1,-64.3358,-50,1,-107.056,50,0,141.065,50,1,-86.8219,50,1,"
+    "-25.3618,50,1,140.787,50,1,-69.2448,39.0672,1\n"
+)
+
+
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_a_pose_without_quality_is_lifted_all_the_same(options):
+    line = FAR
+    if options:
+        numbers = FAR.split(",")
+        points = [",".join(numbers[k : k + 3]).strip() for k in range(0, 42, 3)]
+        line = '{"keypoints":[[' + "],[".join(points) + "]]}\n"
+    plain, rated = (
+        subprocess.run([PROGRAM, *options, *more], input=line, capture_output=True, text=True)
+        for more in ([], ["--quality"])
+    )
+    assert plain.returncode == rated.returncode == 0
+    lifted = plain.stdout.rstrip("}\n")
+    assert "ok" in lifted
+    assert rated.stdout == lifted + (',"quality":0}\n' if options else ",0\n")

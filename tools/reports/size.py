@@ -23,6 +23,7 @@ from data.paths import DOCS, ROOT
 from model.manifest import read_manifest
 from reports import markdown
 from reports.targets import (
+    FCONN_SOURCES,
     SOURCES,
     TARGETS,
     Target,
@@ -130,7 +131,7 @@ def measure_core(target: Target) -> list[Cost]:
     """The rows of a core."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        library = compile_library(target, LEVEL, folder)
+        library = compile_library(target, LEVEL, folder, FCONN_SOURCES)
         return [
             measure_variant(target, variant, options, library, folder)
             for variant, options in VARIANTS.items()
