@@ -66,7 +66,7 @@ EDML_INTERNAL void edml__run_network_q(int32_t *out, const int32_t *in, const ed
 static inline edml_status edml__check_model(const edml_model *model, size_t needed, const void *work,
                                             size_t work_bytes)
 {
-    if (((uintptr_t)work & 3) != 0) return EDML_ERR_ARGUMENT;
+    if (!EDML_IS_ALIGNED4(work)) return EDML_ERR_ARGUMENT;
     if (needed == 0 || model->reads != EDML_READS_DISTANCES || model->gives != EDML_GIVES_DISTANCES)
         return EDML_ERR_MODEL;
     return work_bytes < needed ? EDML_ERR_WORK_TOO_SMALL : EDML_OK;

@@ -5,9 +5,12 @@
 #ifndef EDML_COMPILER_H
 #define EDML_COMPILER_H
 
-/* EDML_NOINLINE   keep out of line, so that its locals leave the stack before the caller calls deeper
- * EDML_ALIGN4     weights that may be loaded a word at a time
- * EDML_INTERNAL   shared by the library's files, and not exported from a shared library */
+#include <stdint.h>
+
+/* EDML_NOINLINE     keep out of line, so that its locals leave the stack before the caller calls deeper
+ * EDML_ALIGN4       weights that may be loaded a word at a time
+ * EDML_IS_ALIGNED4  may words be at this pointer?
+ * EDML_INTERNAL     shared by the library's files, and not exported from a shared library */
 #ifdef __GNUC__
 #define EDML_NOINLINE __attribute__((noinline))
 #define EDML_ALIGN4 __attribute__((aligned(4)))
@@ -15,6 +18,7 @@
 #define EDML_NOINLINE
 #define EDML_ALIGN4
 #endif
+#define EDML_IS_ALIGNED4(pointer) (((uintptr_t)(pointer) & 3) == 0)
 #if defined(__GNUC__) && defined(__ELF__)
 #define EDML_INTERNAL __attribute__((visibility("hidden")))
 #else

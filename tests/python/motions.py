@@ -4,8 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from data.mocap import Motion
-from edmlift.joints import JOINTS
+from data.mocap import Motion, save_motion
 
 STANDING = np.zeros((14, 3))
 STANDING[:, 1] = [1.7, 1.45, 1.4, 1.1, 0.85, 1.4, 1.1, 0.85, 0.9, 0.5, 0.1, 0.9, 0.5, 0.1]
@@ -29,14 +28,6 @@ def people(count: int = 400) -> Motion:
 
 
 def write_motion(path: Path, motion: Motion) -> Path:
-    np.savez(
-        path,
-        joints=motion.joints,
-        subject=motion.subject,
-        trial=motion.trial,
-        frame=motion.frame,
-        joint_names=np.array(JOINTS),
-        up="y",
-        unit="m",
-    )
+    """The motion in a file; returns its path."""
+    save_motion(motion, path, fps=15)
     return path

@@ -307,7 +307,7 @@ edml_status edml_place(edml_placement *out, const edml_pose *pose, const edml_ke
 {
     if (out == NULL || pose == NULL || in == NULL || camera == NULL || memory == NULL)
         return EDML_ERR_ARGUMENT;
-    if (((uintptr_t)memory & 3) != 0) return EDML_ERR_ARGUMENT;
+    if (!EDML_IS_ALIGNED4(memory)) return EDML_ERR_ARGUMENT;
     if (work_bytes < sizeof(edml_work)) return EDML_ERR_WORK_TOO_SMALL;
     edml_work *const work = (edml_work *)memory; /* tests/overflow compiles this as C++ */
     scene v;
