@@ -12,8 +12,6 @@ have it: it sees every frame, and smooths; one in so many is written.
 
 import argparse
 import json
-import subprocess
-import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
 import zipfile
@@ -25,23 +23,11 @@ import cv2
 import mediapipe
 import numpy as np
 
-VIDEOS = {"pose2sim": "0.10.49", "sports2d": "0.8.34"}  # packages, BSD 3-Clause licence
+from data.paths import EXAMPLES
+from data.videos import Clip, find_wheel, unpack, write_rows
+
 CALIBRATION = "Pose2Sim/Demo_SinglePerson/calibration/Calib.qca.txt"
 KEYPOINTS = 33
-
-
-@dataclass(frozen=True)
-class Clip:
-    """A video of a package, and how many of its frames are written."""
-
-    package: str
-    video: str
-    every: int  # frames of which one is written
-
-
-BEAM = "Pose2Sim/Demo_SinglePerson/videos/cam0{}.mp4"
-CLIPS = {f"beam{n}": Clip("pose2sim", BEAM.format(n), 5) for n in (1, 2, 3, 4)}
-CLIPS["street"] = Clip("sports2d", "Sports2D/Demo/demo.mp4", 10)
 
 
 @dataclass(frozen=True)
@@ -85,7 +71,7 @@ def write_clip(folder: Path, name: str, clip: Clip, found: Detections) -> None:
     """Writes NAME.csv and NAME_world.csv."""
     origin = (
         f"# Origin: BlazePose (full) of mediapipe {mediapipe.__version__} (Apache-2.0) on",
-        f"# {clip.video} of {clip.package} {VIDEOS[clip.package]} (BSD-3-Clause); see README.md",
+        f"# {clip.origin}; see README.md",
     )
     width, height = found.size
     text = (
@@ -93,20 +79,13 @@ def write_clip(folder: Path, name: str, clip: Clip, found: Detections) -> None:
         f"# normalised by {width} x {height} pixels, y down; {found.rate:g} lines a second.",
         *origin,
     )
-    _write_csv(folder / f"{name}.csv", text, found.keypoints, ("%.5f", "%.5f", "%.3f"))
+    write_rows(folder / f"{name}.csv", text, found.keypoints, ("%.5f", "%.5f", "%.3f"))
     text = (
         f"# {name}_world: the detector's 3D (world landmarks) of {name}.csv, line for line;",
         "# metres, x right, y down, z away, origin mid-hip.",
         *origin,
     )
-    _write_csv(folder / f"{name}_world.csv", text, found.world, ("%.3f",) * 3)
-
-
-def _write_csv(path: Path, comments: tuple[str, ...], rows: np.ndarray, formats: tuple) -> None:
-    pattern = ",".join(formats * KEYPOINTS)
-    rows = np.round(rows.reshape(len(rows), -1), 5) + 0.0  # no -0.000
-    lines = [*comments, *(pattern % tuple(row) for row in rows)]
-    path.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
+    write_rows(folder / f"{name}_world.csv", text, found.world, ("%.3f",) * 3)
 
 
 def read_calibration(text: str, sizes: list[tuple[int, int]]) -> list[dict]:
@@ -142,25 +121,16 @@ def write_cameras(path: Path, views: list[dict]) -> None:
     path.write_text("[" + ",\n ".join(json.dumps(view) for view in rounded) + "]\n")
 
 
-def find_wheel(folder: Path, package: str) -> Path:
-    """A package's wheel in the folder, downloaded if it is not there."""
-    wheel = folder / f"{package}-{VIDEOS[package]}-py3-none-any.whl"
-    if not wheel.exists():
-        command = [sys.executable, "-m", "pip", "download", "--no-deps", "-d", folder]
-        subprocess.run([*command, f"{package}=={VIDEOS[package]}"], check=True)
-    return wheel
-
-
 def write_samples(wheels: Path, scratch: Path, folder: Path) -> None:
     """Writes all files."""
-    archives = {package: zipfile.ZipFile(find_wheel(wheels, package)) for package in VIDEOS}
     sizes = []
-    for name, clip in CLIPS.items():
-        found = detect(Path(archives[clip.package].extract(clip.video, scratch)), clip.every)
+    for name, clip, video in unpack(wheels, scratch):
+        found = detect(video, clip.every)
         write_clip(folder, name, clip, found)
         if name.startswith("beam"):
             sizes.append(found.size)
-    calibration = archives["pose2sim"].read(CALIBRATION).decode()
+    with zipfile.ZipFile(find_wheel(wheels, "pose2sim")) as archive:
+        calibration = archive.read(CALIBRATION).decode()
     write_cameras(folder / "beam_cameras.json", read_calibration(calibration, sizes))
 
 
@@ -169,7 +139,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--wheels", type=Path, help="folder of the videos' packages")
-    parser.add_argument("--out", type=Path, default=Path("examples/data/detections"))
+    parser.add_argument("--out", type=Path, default=EXAMPLES / "detections")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as scratch:
