@@ -77,10 +77,8 @@ typedef struct {
 
 typedef struct {
     edml_point joint[EDML_JOINTS]; /* metres; all 14, also those that were not seen */
-    float mirror_margin; /* >= 0: log-odds, as fitted on training views, that this pose and not its mirror
-                            image is the right one */
-    float residual;      /* metres: RMS difference between the network's distances and the points' */
-    uint16_t seen;       /* bit j: joint j was seen */
+    float misfit;  /* metres: RMS difference between the image and the network's points, before edml_fuse() */
+    uint16_t seen; /* bit j: joint j was seen */
 } edml_pose;
 
 #define EDML_STATUSES(X)                                                                                \
@@ -89,12 +87,11 @@ typedef struct {
     X(EDML_ERR_NOT_FINITE, -2, "not_finite") /* NaN, infinity, or a number out of range */              \
     X(EDML_ERR_TOO_FEW_JOINTS, -3, "too_few_joints") /* fewer seen than the model was trained for */    \
     X(EDML_ERR_DEGENERATE, -4, "degenerate") /* on a point or a line, of no height, or no pose fits */  \
-    X(EDML_ERR_ASPECT, -5, "aspect")         /* wider for its height than the model takes */            \
+    X(EDML_ERR_WORK_TOO_SMALL, -5, "work_too_small") /* fewer bytes than edml_model_work_bytes() */     \
     X(EDML_ERR_MODEL, -6, "model")           /* checksum mismatch, or this lift cannot run it */        \
     X(EDML_ERR_CAMERA, -7, "camera")         /* not a camera, or it cannot have seen this */            \
     X(EDML_ERR_TIME, -8, "time")             /* not later than the last frame, or by over 24 days */    \
-    X(EDML_ERR_BODY, -9, "body")             /* impossible, or contradictory, body measurements */      \
-    X(EDML_ERR_WORK_TOO_SMALL, -10, "work_too_small") /* fewer bytes than edml_model_work_bytes() */
+    X(EDML_ERR_BODY, -9, "body")             /* impossible, or contradictory, body measurements */
 
 #define EDML_STATUS_ENUM(name, value, text) name = value,
 typedef enum { EDML_STATUSES(EDML_STATUS_ENUM) } edml_status;
@@ -107,57 +104,42 @@ const char *edml_status_name(edml_status status); /* "too_few_joints"; "?" when 
 /* A trained network and its measured settings, constant in flash.  A program links the models it names. */
 typedef struct edml_model edml_model;
 
-/* FConn (section 3.2), equivariant to left and right: 91-192-192-91 units from 36,817 weights, in float32
- * and with weights of 16 and of 8 bits.  With 16 bits a lift is as fast as with float where there is an FPU,
- * in half the flash, and much faster where there is none; 8 bits halve the flash again. */
-extern const edml_model edml_fconn_f32, edml_fconn_w16, edml_fconn_w8;
+/* From the joints' coordinates to points, in float32 and with weights of 16 and of 8 bits.  With 16 bits a
+ * lift is as fast as with float where there is an FPU, in half the flash, and much faster where there is none;
+ * 8 bits halve the flash again. */
+extern const edml_model edml_direct_f32, edml_direct_w16, edml_direct_w8;
 
-/* FConv (section 3.2), convolutional: 605,825 weights, some 160 times the instructions, and, as far as it is
- * trained, no better.  docs/fconv.md has its figures. */
+/* The paper's way beside it: distances are read and given as well, and scaled to points. */
+extern const edml_model edml_distances_f32, edml_distances_w16, edml_distances_w8;
+
+/* The paper's networks (section 3.2), better trained: FConn, fully connected, and FConv, convolutional, with
+ * 15 times the weights.  They read and give distances, and nothing else.  docs/accuracy.md compares. */
+extern const edml_model edml_fconn_f32, edml_fconn_w16, edml_fconn_w8;
 extern const edml_model edml_fconv_f32, edml_fconv_w8;
 
-const char *edml_model_name(const edml_model *model);  /* "fconn_w16" */
+const char *edml_model_name(const edml_model *model);  /* "direct_w16" */
 edml_status edml_model_check(const edml_model *model); /* EDML_ERR_MODEL: checksum mismatch */
 size_t edml_model_work_bytes(const edml_model *model); /* for edml_lift(); 0: not for that lift */
 
 /* ---- Lift --------------------------------------------------------------------------------------- */
 
-typedef struct { /* one Jacobi rotation, edmlift/stages.h */
-    float sine;
-    uint8_t p, q;
-} edml_jacobi_rotation;
-
-/* Work memory of a lift, 3.9 KB: make it static, because it is too large for most tasks' stacks.  Its
- * contents mean nothing between calls, and its members are not part of the interface. */
-typedef struct {
-    float distance[EDML_PAIRS], matrix[EDML_JOINTS][EDML_JOINTS];
-    edml_point x[EDML_JOINTS];
-    union { /* stages that do not overlap in time */
-        float layer[2][192];
-        struct {
-            int32_t layer[2][192], edm[EDML_PAIRS];
-        } integer;
-        edml_jacobi_rotation rotation[320];
-        edml_point step[4][EDML_JOINTS];
-    } scratch;
-} edml_work;
-
-typedef struct { edml_work lift; float more_scratch[3844]; } edml_fconv_work; /* with FConv: 19 KB */
+#include "edmlift/work.h" /* edml_work, 4.2 KB; edml_fconv_work, for FConv, 19 KB */
 
 /* Lifts one person.
  *   in          14 keypoints
+ *   up          the upward direction in the camera's axes, of any length, as an accelerometer shows it; NULL
+ *               if it is not known.  fconn and fconv make no use of it
  *   work        aligned to 4 bytes: an edml_work or larger
  *   work_bytes  sizeof it
  * Besides EDML_ERR_ARGUMENT:
- *   EDML_ERR_NOT_FINITE      NaN or infinity in the x or y of a seen joint, or in any c
+ *   EDML_ERR_NOT_FINITE      NaN or infinity in the x or y of a seen joint, in any c, or in up
  *   EDML_ERR_TOO_FEW_JOINTS  fewer than 10 seen, with the models above
- *   EDML_ERR_DEGENERATE      points equal, on a line, or so unlike a person that no rotation fits
- *   EDML_ERR_ASPECT          wider than 3.5 times the height, with the models above
+ *   EDML_ERR_DEGENERATE      points equal, on a line, or so unlike a person that no rotation fits; up is zero
  *   EDML_ERR_MODEL, EDML_ERR_WORK_TOO_SMALL
  * Run time varies with the missing joints, the non-zero activations and the Jacobi rotations; all three are
  * bounded. */
-edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
-                      void *work, size_t work_bytes);
+edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_point *up,
+                      const edml_model *model, void *work, size_t work_bytes);
 
 /* ---- Detectors' keypoints ----------------------------------------------------------------------- */
 

@@ -19,7 +19,7 @@ typedef struct {
 
 /* Gives a pose the size of a known body, in place.  Known bones get their length and keep their direction.
  * One factor scales the others, so that the length from head to ankle is its proportion of the height;
- * without a height it is 1.  Mid-hip stays the origin; mirror_margin and residual stay those of the lift.
+ * without a height it is 1.  Mid-hip stays the origin; misfit stays that of the lift.
  * Call edml_quality() before, edml_place() after.
  *   EDML_ERR_BODY        negative, NaN, beyond the range, or bones that imply heights which differ by more
  *                        than a factor of 1.6
@@ -29,14 +29,12 @@ typedef struct {
 edml_status edml_fit_body(edml_pose *pose, const edml_body *body);
 
 /* The probability that a pose's mean joint error is under 100 mm (rigid alignment, no scale), as far as its
- * mirror margin, its residual, its image, its bones and the number of joints seen tell.  docs/body.md says
- * how well that holds.  Not for poses of edml_track_lift(), which are smoothed and so differ from the image.
+ * misfit, its bones and the number of joints seen tell.  docs/body.md says how well that holds.
  *   quality  0 to 1
- *   in       the keypoints that the pose was lifted from
- *   EDML_ERR_ARGUMENT        also: a mirror_margin or residual that no lift returns (negative or NaN)
- *   EDML_ERR_NOT_FINITE      a joint is not within 4 m, or a keypoint is not finite
+ *   EDML_ERR_ARGUMENT        also: a misfit that no lift returns (negative or NaN)
+ *   EDML_ERR_NOT_FINITE      a joint is not within 4 m
  *   EDML_ERR_TOO_FEW_JOINTS  fewer than 10 joints seen */
-edml_status edml_quality(float *quality, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS]);
+edml_status edml_quality(float *quality, const edml_pose *pose);
 
 /* Mean error of each joint in millimetres after rigid alignment, given which joints were seen: for training
  * people, with a detector's noise, with the shipped networks, in float or fixed point.
@@ -51,7 +49,7 @@ edml_status edml_uncertainty(uint8_t millimetres[EDML_JOINTS], uint16_t seen);
 edml_status edml_joint_limits(int *violations, const edml_pose *pose);
 
 /* Reflects the pose in depth, in place, if its mirror image violates fewer joint limits; on a tie leaves it
- * alone.  A reflected pose gets mirror_margin 0, because the lift's own rule disagrees.
+ * alone.
  *   fewer  how many fewer violations the result has than its mirror image; 0: the rule cannot tell
  *   EDML_ERR_NOT_FINITE  a joint is not within 4 m */
 edml_status edml_reflect_by_joint_limits(int *fewer, edml_pose *pose);
@@ -73,8 +71,7 @@ typedef struct {
 } edml_body_q;
 
 edml_status edml_fit_body_q(edml_pose_q *pose, const edml_body_q *body);
-edml_status edml_quality_q(int32_t *quality, const edml_pose_q *pose,
-                           const edml_keypoint_q in[EDML_JOINTS]);
+edml_status edml_quality_q(int32_t *quality, const edml_pose_q *pose);
 edml_status edml_joint_limits_q(int *violations, const edml_pose_q *pose);
 edml_status edml_reflect_by_joint_limits_q(int *fewer, edml_pose_q *pose);
 

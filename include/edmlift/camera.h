@@ -17,6 +17,14 @@ typedef struct {
     float fx, fy, cx, cy; /* focal lengths, > 0, and principal point */
 } edml_camera;
 
+/* edml_lift() by a camera that is known: as if it looked at the person.  Without it a person at the edge of a
+ * wide picture is turned, by as much as they are off the camera's axis.
+ *   EDML_ERR_CAMERA  also: not a camera; a joint more than 63 degrees off the camera's axis or 60 degrees off
+ *                    the person */
+edml_status edml_lift_with_camera(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
+                                  const edml_point *up, const edml_camera *camera,
+                                  const edml_model *model, void *work, size_t work_bytes);
+
 typedef struct {
     edml_point joint[EDML_JOINTS]; /* metres, camera axes, origin at the camera's centre */
     edml_point rotation[3];        /* rows; joint = rotation * pose.joint + translation */
@@ -61,6 +69,10 @@ edml_status edml_place_sweep(edml_placement *placement, edml_camera *camera, con
 typedef struct {
     int32_t fx, fy, cx, cy; /* pixels, Q16, each under 8192 */
 } edml_camera_q;
+
+edml_status edml_lift_with_camera_q(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS],
+                                    const edml_point_q *up, const edml_camera_q *camera,
+                                    const edml_model *model, void *work, size_t work_bytes);
 
 typedef struct { /* as edml_placement, Q16 */
     edml_point_q joint[EDML_JOINTS], rotation[3], translation;

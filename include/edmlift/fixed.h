@@ -26,8 +26,7 @@ typedef struct {
 
 typedef struct {
     edml_point_q joint[EDML_JOINTS]; /* metres, Q16 */
-    int32_t mirror_margin;           /* Q16, log-odds */
-    int32_t residual;                /* Q16, metres */
+    int32_t misfit;                  /* metres, Q16 */
     uint16_t seen;
 } edml_pose_q;
 
@@ -39,14 +38,32 @@ typedef struct {
 } edml_point_q24;
 
 typedef struct {
+    int32_t u, v; /* Q24 */
+} edml_image_point_q;
+
+typedef struct {
+    edml_image_point_q at[EDML_JOINTS], down;
+    uint16_t seen;
+} edml_image_q;
+
+typedef struct { /* Q24 */
+    int32_t distance[EDML_PAIRS], share[EDML_JOINTS];
+    edml_point_q24 x[EDML_JOINTS];
+} edml_prediction_q;
+
+typedef struct {
     int32_t sine; /* Q24 */
     uint8_t p, q;
 } edml_jacobi_rotation_q;
 
 /* Work memory of a lift, as edml_work. */
 typedef struct {
-    int32_t distance[EDML_PAIRS], matrix[EDML_JOINTS][EDML_JOINTS];
+    edml_image_q image;
+    edml_prediction_q prediction;
     edml_point_q24 x[EDML_JOINTS];
+    union {
+        int32_t matrix[EDML_JOINTS][EDML_JOINTS], values[196];
+    } io;
     union {
         int32_t layer[2][192];
         edml_jacobi_rotation_q rotation[320];
@@ -62,12 +79,13 @@ typedef struct { /* of a lift with FConv: 11 KB */
 size_t edml_model_work_bytes_q(const edml_model *model); /* for edml_lift_q(); 0: not for that lift */
 
 /* edml_lift() in integers.  It runs the quantised models, those with 16-bit and 8-bit weights.
+ *   up  in any unit, each component within 2^29
  *   EDML_ERR_NOT_FINITE  also: a coordinate at or beyond the ends of its range, where a saturating
  *                        conversion puts infinity
  *   EDML_ERR_DEGENERATE  also: a person under 1/8 pixel tall
  *   EDML_ERR_MODEL       a float model */
-edml_status edml_lift_q(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS], const edml_model *model,
-                        void *work, size_t work_bytes);
+edml_status edml_lift_q(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS], const edml_point_q *up,
+                        const edml_model *model, void *work, size_t work_bytes);
 
 #ifdef __cplusplus
 }

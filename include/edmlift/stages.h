@@ -25,21 +25,27 @@ typedef struct {
 } edml_imputation;
 extern const edml_imputation edml_default_imputation;
 
-/* Distances between the joints in the image, normalised: one factor for x and y, so that half the height of
- * the seen joints is 1 (section 3.1).
- *   edm            [91], up to about 2 * max_aspect; more if missing joints are imputed far outside
+/* The joints in the body's frame: the image is turned so that the body's axis, from the middle of head, neck
+ * and shoulders to that of the hips, points down, and scaled so that half the extent of the seen joints along
+ * it is 1 (section 3.1, which takes the image's vertical).  A person of whom more is seen across the axis than
+ * along it is scaled until no seen joint is more than 3.5 from their mean.
+ *   image          at: u across, from the mean; v along, from the middle.  Missing joints are imputed
+ *                  down: the body's axis in the image, a unit vector
  *   fewest_joints  >= 1, that must be seen; else EDML_ERR_TOO_FEW_JOINTS
- *   max_aspect     of the width to the height of the seen joints; beyond it: EDML_ERR_ASPECT
- *   imputation     where missing joints are, at most 9; NULL: their pairs are zero
+ *   imputation     where missing joints are, at most 9.  NULL: they are at 0, and the image is not turned
  * Also returns EDML_ERR_NOT_FINITE and EDML_ERR_DEGENERATE, the latter also for a singular imputation. */
-edml_status edml_edm(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest_joints,
-                     float max_aspect, const edml_imputation *imputation);
+edml_status edml_body_frame(edml_image *image, const edml_keypoint in[EDML_JOINTS], int fewest_joints,
+                            const edml_imputation *imputation);
 
-/* The 3D distances that the model's network predicts (section 3.2).
- *   distance  [91] metres, >= 0; may be edm
- *   edm       [91] from edml_edm()
+/* Distances between the joints in the body's frame (eq. 1), [91], up to 11.1. */
+void edml_edm(float edm[EDML_PAIRS], const edml_image *image);
+
+/* What the model's network says (section 3.2), in the body's frame, metres.
+ *   out    distance: >= 0; x: points about their mean; as far as the model gives them
+ *          share: how far to believe each joint's image, 0 to 1
+ *   up     a unit vector in the camera's axes, or NULL
  *   EDML_ERR_MODEL, EDML_ERR_WORK_TOO_SMALL  as edml_lift() */
-edml_status edml_predict(float distance[EDML_PAIRS], const float edm[EDML_PAIRS],
+edml_status edml_predict(edml_prediction *out, const edml_image *image, const edml_point *up,
                          const edml_model *model, void *work, size_t work_bytes);
 
 typedef struct {
@@ -83,27 +89,29 @@ int edml_refine(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edm
 float edml_stress(const edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
                   edml_objective objective);
 
-/* Reflects the points if their mirror image is more human (section 3.3): a linear score of how far limbs and
- * head point forward of the torso.  Returns the margin. */
-float edml_mirror(edml_point x[EDML_JOINTS], const edml_model *model);
-
-/* Rotates the points to the camera's axes: the rotation whose scaled-orthographic image fits the seen joints
- * best.  Mid-hip becomes the origin.
- *   seen  bit j: joint j of `in` counts; at least 4
+/* Rotates the points to the axes of the body's frame: the rotation whose scaled-orthographic image fits the
+ * seen joints best.  Their mean becomes the origin.
  *   EDML_ERR_DEGENERATE  no rotation is better than others: points or image are on a line, or do not
  *                        correlate */
-edml_status edml_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen);
+edml_status edml_orient(edml_point x[EDML_JOINTS], const edml_image *image);
 
-/* Moves the seen joints of a pose of edml_orient() toward where the image has them: less, if pose and image
- * disagree more.  Mid-hip stays the origin.
- *   seen  bit j: joint j of `in` counts */
-void edml_fuse(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
-               const edml_model *model);
+/* Reflects the points of edml_orient() in depth if their mirror image is more human (section 3.3): a linear
+ * score of how far limbs and head point forward of the torso.  Returns the margin. */
+float edml_mirror(edml_point x[EDML_JOINTS], const edml_model *model);
+
+/* Rotates the points of the MDS onto those that the network gives as well, reflects them if that brings them
+ * nearer, and takes the model's weighted mean of the two. */
+void edml_align(edml_point x[EDML_JOINTS], const edml_point onto[EDML_JOINTS], const edml_model *model);
+
+/* Moves the seen joints toward where the image has them, each by its share, and less if points and image
+ * disagree more.  Returns by how much they do: the RMS difference, metres. */
+float edml_fuse(edml_point x[EDML_JOINTS], const edml_image *image, const float share[EDML_JOINTS],
+                const edml_model *model);
 
 /* ---- In fixed point: Q24 ------------------------------------------------------------------------ */
 
 /* Ranges are narrower, and not checked: distances 0 to 3 m; matrices of a Frobenius norm up to 90, whose
- * eigenpairs are accurate to about 2^-20, absolutely; max_aspect up to 3.75; points of edml_mds_q().
+ * eigenpairs are accurate to about 2^-20, absolutely; points of edml_mds_q().
  * edml_refine_q() takes any points within 63 m on each axis, but leaves them alone where two are 8 m or more
  * apart.  A stress above 64 is returned as 64. */
 typedef struct {
@@ -115,9 +123,10 @@ typedef struct {
     edml_jacobi_rotation_q rotation[640];
 } edml_eigen_q;
 
-edml_status edml_edm_q(int32_t edm[EDML_PAIRS], const edml_keypoint_q in[EDML_JOINTS], int fewest_joints,
-                       int32_t max_aspect, const edml_imputation *imputation);
-edml_status edml_predict_q(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS],
+edml_status edml_body_frame_q(edml_image_q *image, const edml_keypoint_q in[EDML_JOINTS],
+                              int fewest_joints, const edml_imputation *imputation);
+void edml_edm_q(int32_t edm[EDML_PAIRS], const edml_image_q *image);
+edml_status edml_predict_q(edml_prediction_q *out, const edml_image_q *image, const edml_point_q24 *up,
                            const edml_model *model, void *work, size_t work_bytes);
 void edml_jacobi_q(edml_eigen_q *eigen, const edml_matrix_q *a);
 void edml_mds_q(edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_PAIRS], edml_work_q *work);
@@ -125,11 +134,12 @@ int edml_refine_q(edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_PAI
                   edml_objective objective, int steps, edml_work_q *work);
 int32_t edml_stress_q(const edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_PAIRS],
                       edml_objective objective);
+edml_status edml_orient_q(edml_point_q24 x[EDML_JOINTS], const edml_image_q *image);
 int32_t edml_mirror_q(edml_point_q24 x[EDML_JOINTS], const edml_model *model);
-edml_status edml_orient_q(edml_point_q24 x[EDML_JOINTS], const edml_keypoint_q in[EDML_JOINTS],
-                          uint16_t seen);
-void edml_fuse_q(edml_point_q24 x[EDML_JOINTS], const edml_keypoint_q in[EDML_JOINTS], uint16_t seen,
-                 const edml_model *model);
+void edml_align_q(edml_point_q24 x[EDML_JOINTS], const edml_point_q24 onto[EDML_JOINTS],
+                  const edml_model *model);
+int32_t edml_fuse_q(edml_point_q24 x[EDML_JOINTS], const edml_image_q *image,
+                    const int32_t share[EDML_JOINTS], const edml_model *model);
 
 #ifdef __cplusplus
 }

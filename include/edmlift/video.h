@@ -55,7 +55,7 @@ typedef struct {
 void edml_track_start(edml_track *track);
 
 /* edml_lift() of a video's frame, made steady by the frames before.
- *   pose     smoothed; `seen` is this frame's; `mirror_margin` is that of all frames so far, at most 6
+ *   pose     smoothed; `seen` and `misfit` are this frame's
  *   time_ms  of the frame, by any clock of milliseconds; it may wrap around
  * It undoes the detector's swaps of right and left arms (with shoulders) and legs (with hips); a swap that
  * lasts for about 0.4 s is believed.  A mirror image that persists is believed as well.  Missing joints stay
@@ -67,7 +67,8 @@ void edml_track_start(edml_track *track);
  *                            back, or over 24 days since; call edml_track_start()
  *   EDML_ERR_TOO_FEW_JOINTS  also: fewer than 7 seen, however many are held */
 edml_status edml_track_lift(edml_pose *pose, edml_track *track, const edml_keypoint in[EDML_JOINTS],
-                            uint32_t time_ms, const edml_model *model, void *work, size_t work_bytes);
+                            uint32_t time_ms, const edml_point *up, const edml_model *model, void *work,
+                            size_t work_bytes);
 
 /* Swaps right and left keypoints, in place, where edml_track_lift() found them swapped in the last frame:
  * edml_place() needs these with its pose.

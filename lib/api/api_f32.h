@@ -6,6 +6,7 @@
  *   api_real         a real as a pose holds it; TO_API and FROM_API convert
  *   IS_FINITE        is a pixel coordinate or a confidence a number, and in range?
  *   MIN_MAGNITUDE    the smallest coordinate with full relative precision
+ *   PIXELS(n)        n pixels, an integer
  *   PARAM(n)         an edml_number of the model
  *   WORK_BYTES(m)    work memory of a lift with the model; 0: it cannot be run
  *   RUN_NETWORK      runs the model's network
@@ -32,6 +33,7 @@ typedef float api_real;
 #define FROM_API(a) (a)
 #define IS_FINITE(a) ((a) - (a) == 0.0F) /* false for NaN and infinity */
 #define MIN_MAGNITUDE 0x1p-125F          /* below, floats lose bits */
+#define PIXELS(n) n##.0F
 #define PARAM(number) (number).f32
 #define WORK_BYTES(model) (model)->work_bytes
 #define RUN_NETWORK edml__run_network

@@ -24,6 +24,7 @@ typedef int32_t api_real; /* Q16 */
 #define FROM_API(a) ((a) * 256) /* |a| < 128 */
 #define IS_FINITE(a) is_in_range_q16(a)
 #define MIN_MAGNITUDE (INT32_C(256) << 16) /* pixels: 24 bits, as many as a float has */
+#define PIXELS(n) (INT32_C(n) << 16) /* n < 8192 */
 #define PARAM(number) (number).q24
 #define WORK_BYTES(model) (model)->work_bytes_q
 #define RUN_NETWORK edml__run_network_q
@@ -39,12 +40,16 @@ static inline int is_in_range_q16(int32_t a) { return a > -(INT32_C(1) << 29) &&
 #define edml_camera edml_camera_q
 #define edml_placement edml_placement_q
 #define edml_body edml_body_q
+#define edml_image edml_image_q
+#define edml_image_point edml_image_point_q
+#define edml_prediction edml_prediction_q
 #define edml_matrix edml_matrix_q
 #define edml_eigen edml_eigen_q
 #define edml_jacobi_rotation edml_jacobi_rotation_q
 
 /* Functions */
 #define edml_adapt edml_adapt_q
+#define edml_body_frame edml_body_frame_q
 #define edml_edm edml_edm_q
 #define edml_predict edml_predict_q
 #define edml_jacobi edml_jacobi_q
@@ -52,9 +57,11 @@ static inline int is_in_range_q16(int32_t a) { return a > -(INT32_C(1) << 29) &&
 #define edml_refine edml_refine_q
 #define edml_stress edml_stress_q
 #define edml_mirror edml_mirror_q
+#define edml_align edml_align_q
 #define edml_orient edml_orient_q
 #define edml_fuse edml_fuse_q
 #define edml_lift edml_lift_q
+#define edml_lift_with_camera edml_lift_with_camera_q
 #define edml_place edml_place_q
 #define edml_place_sweep edml_place_sweep_q
 #define edml_fit_body edml_fit_body_q

@@ -19,6 +19,12 @@ static point mean_joint(const point x[EDML_JOINTS], uint16_t seen)
     return mean;
 }
 
+static void move_origin_to_mean(point x[EDML_JOINTS])
+{
+    const point mean = mean_joint(x, ALL_JOINTS);
+    for (int j = 0; j < EDML_JOINTS; j++) x[j] = minus(x[j], mean);
+}
+
 static void move_origin_to_mid_hip(point x[EDML_JOINTS])
 {
     const point mid_hip = midpoint(x[EDML_R_HIP], x[EDML_L_HIP]);

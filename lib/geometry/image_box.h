@@ -1,4 +1,4 @@
-/* The box around the seen joints in the image, and coordinates in it (section 3.1).
+/* The box around the seen joints in the image, and coordinates in it.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -6,10 +6,6 @@
 #define EDML_IMAGE_BOX_H
 
 #include "seen.h"
-
-typedef struct {
-    real u, v;
-} image_point;
 
 /* Its centre, half its size, and the largest |coordinate|. */
 typedef struct {
@@ -41,14 +37,13 @@ static image_box box_of(const edml_keypoint in[], uint16_t seen)
     return box;
 }
 
-/* A joint in the box's coordinates, half its height being 1: |u| <= max_aspect, |v| <= 1.  In a flat
- * box, at its centre. */
-static image_point normalise(edml_keypoint in, const image_box *box)
+/* A joint in the box's coordinates, half its longer side being 1: |u|, |v| <= 1. */
+static edml_image_point normalise(edml_keypoint in, const image_box *box)
 {
-    image_point at = {0, 0};
-    if (!(box->half_height > 0)) return at;
-    at.u = DIV(in.x - box->x, box->half_height);
-    at.v = DIV(in.y - box->y, box->half_height);
+    edml_image_point at = {0, 0};
+    const pixels half = box->half_height > box->half_width ? box->half_height : box->half_width;
+    at.u = DIV(in.x - box->x, half);
+    at.v = DIV(in.y - box->y, half);
     return at;
 }
 

@@ -18,19 +18,30 @@ static point rotate(const matrix3 *by, point p)
     return q;
 }
 
+/* The smallest rotation that brings a unit vector onto the z axis.  z.z > -1 */
+static inline matrix3 rotation_onto(point z)
+{
+    const real ratio = DIV(REAL(1.0), REAL(1.0) + z.z);
+    const real xy = MUL(ratio, MUL(z.x, z.y));
+    const matrix3 rotation = {{REAL(1.0) - MUL(ratio, MUL(z.x, z.x)), -xy, -z.x},
+                              {-xy, REAL(1.0) - MUL(ratio, MUL(z.y, z.y)), -z.y},
+                              z};
+    return rotation;
+}
+
 /* By the transposed matrix, which is a rotation's inverse. */
 static point rotate_back(const matrix3 *by, point q)
 {
     return plus(plus(times(q.x, by->x), times(q.y, by->y)), times(q.z, by->z));
 }
 
-static matrix3 transpose(const matrix3 *r)
+static inline matrix3 transpose(const matrix3 *r)
 {
     const matrix3 back = {{r->x.x, r->y.x, r->z.x}, {r->x.y, r->y.y, r->z.y}, {r->x.z, r->y.z, r->z.z}};
     return back;
 }
 
-static matrix3 compose(const matrix3 *second, const matrix3 *first)
+static inline matrix3 compose(const matrix3 *second, const matrix3 *first)
 {
     const matrix3 both = {rotate_back(first, second->x), rotate_back(first, second->y),
                           rotate_back(first, second->z)};

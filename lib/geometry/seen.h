@@ -19,10 +19,11 @@ static inline uint16_t seen_joints(const edml_keypoint in[])
     return seen;
 }
 
+/* Bits beyond the joints do not count. */
 static inline int count_seen(uint16_t seen)
 {
     int count = 0;
-    for (; seen != 0; seen = (uint16_t)(seen & (seen - 1))) count++;
+    for (seen = (uint16_t)(seen & ALL_JOINTS); seen != 0; seen = (uint16_t)(seen & (seen - 1))) count++;
     return count;
 }
 

@@ -9,7 +9,8 @@
 #ifndef EDML_IMPUTE_H
 #define EDML_IMPUTE_H
 
-#include "../geometry/image_box.h"
+#include "../api/api.h"
+#include "../geometry/seen.h"
 
 /* The square matrix of so many fits an EDM. */
 enum { MAX_IMPUTED = 9 };
@@ -18,12 +19,12 @@ enum { MAX_IMPUTED = 9 };
 
 /* The system of the missing joints, (1 - W) x = sum over the seen of W x: the matrix to a, the right
  * sides to where the joints will be.  |weight| < 8; the absolute values in a row add up to < 3.4. */
-static void set_up_system(real *a, image_point at[EDML_JOINTS], const uint8_t *missing, int count,
+static void set_up_system(real *a, edml_image_point at[EDML_JOINTS], const uint8_t *missing, int count,
                           uint16_t seen, const edml_imputation *imputation)
 {
     for (int p = 0; p < count; p++) {
         const int16_t *weight = imputation->weight[missing[p]];
-        image_point sum = {0, 0};
+        edml_image_point sum = {0, 0};
         for (int j = 0; j < EDML_JOINTS; j++) {
             if (!is_seen(seen, j)) continue;
             sum.u += MUL(Q12(weight[j]), at[j].u);
@@ -35,7 +36,7 @@ static void set_up_system(real *a, image_point at[EDML_JOINTS], const uint8_t *m
     }
 }
 
-static void subtract_multiple(image_point *from, real part, image_point at)
+static void subtract_multiple(edml_image_point *from, real part, edml_image_point at)
 {
     from->u -= MUL(part, at.u);
     from->v -= MUL(part, at.v);
@@ -46,7 +47,7 @@ static void subtract_multiple(image_point *from, real part, image_point at)
  *   at  |u|, |v| of missing joints come out below 11 times the largest of a seen one
  *   a   [MAX_IMPUTED * MAX_IMPUTED], work memory
  * Returns 0 if a pivot is not positive. */
-static EDML_NOINLINE int impute(image_point at[EDML_JOINTS], uint16_t seen,
+static EDML_NOINLINE int impute(edml_image_point at[EDML_JOINTS], uint16_t seen,
                                 const edml_imputation *imputation, real *a)
 {
     uint8_t missing[MAX_IMPUTED];
@@ -65,7 +66,7 @@ static EDML_NOINLINE int impute(image_point at[EDML_JOINTS], uint16_t seen,
         }
     }
     for (int p = count - 1; p >= 0; p--) {
-        image_point *x = &at[missing[p]];
+        edml_image_point *x = &at[missing[p]];
         for (int q = p + 1; q < count; q++) subtract_multiple(x, a[p * count + q], at[missing[q]]);
         x->u = DIV(x->u, a[p * count + p]);
         x->v = DIV(x->v, a[p * count + p]);

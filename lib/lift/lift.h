@@ -6,39 +6,70 @@
 #define EDML_LIFT_H
 
 #include "../api/pose.h"
+#include "../geometry/unit_vector.h"
 #include "../network/model.h"
+#include "align.h"
+#include "body_frame.h"
 #include "edm.h"
 #include "fuse.h"
 #include "mds.h"
 #include "mirror.h"
 #include "orient.h"
+#include "predict.h"
 #include "refine.h"
 
-edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
-                      void *memory, size_t work_bytes)
+/* Points in the body's frame, of what the network says. */
+static edml_status find_points(edml_work *work, const edml_model *model)
+{
+    const edml_prediction *const said = &work->prediction;
+    if (!(model->gives & EDML_GIVES_DISTANCES)) {
+        memcpy(work->x, said->x, sizeof work->x);
+        return EDML_OK;
+    }
+    edml_mds(work->x, said->distance, work);
+    edml_refine(work->x, said->distance, (edml_objective)model->objective, model->refine_steps, work);
+    if (model->gives & EDML_GIVES_POINTS) {
+        edml_align(work->x, said->x, model);
+        return EDML_OK;
+    }
+    const edml_status status = edml_orient(work->x, &work->image);
+    if (status == EDML_OK) edml_mirror(work->x, model);
+    return status;
+}
+
+/* From the body's frame to the camera's axes: two sums, as in turn_down(). */
+static void turn_to_camera(point x[EDML_JOINTS], edml_image_point down)
+{
+    const real minus_u = -down.u;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const point p = x[j];
+        x[j].x = MUL(down.v, p.x) + MUL(down.u, p.y);
+        x[j].y = MUL(down.v, p.y) + MUL(minus_u, p.x);
+    }
+    move_origin_to_mid_hip(x);
+}
+
+edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_point *up,
+                      const edml_model *model, void *memory, size_t work_bytes)
 {
     if (pose == NULL || in == NULL || model == NULL || memory == NULL) return EDML_ERR_ARGUMENT;
     edml_status status = edml__check_model(model, WORK_BYTES(model), memory, work_bytes);
     if (status != EDML_OK) return status;
     edml_work *const work = (edml_work *)memory; /* tests/overflow compiles this as C++ */
-    real *const edm = work->scratch.layer[0];
-    const uint16_t seen = seen_joints(in);
-    status = image_distances(edm, in, seen, model->fewest_joints, PARAM(model->max_aspect),
-                             model->imputation, edm);
+    point direction;
+    status = up == NULL ? EDML_OK : unit_vector(&direction, *up);
+    if (status != EDML_OK) return status;
+    status = to_body_frame(&work->image, in, model->fewest_joints, model->imputation, work->io.values);
     if (status != EDML_OK) return status;
 
-    RUN_NETWORK(work->distance, edm, model, work);
-    edml_mds(work->x, work->distance, work);
-    edml_refine(work->x, work->distance, (edml_objective)model->objective, model->refine_steps, work);
-    const real residual = SQRT(edml_stress(work->x, work->distance, EDML_STRESS_RAW));
-    const real margin = edml_mirror(work->x, model);
-    status = orient_points(work->x, in, seen);
+    predict(&work->prediction, &work->image, up == NULL ? NULL : &direction, model, work);
+    status = find_points(work, model);
     if (status != EDML_OK) return status;
-    edml_fuse(work->x, in, seen, model);
+    const real misfit = edml_fuse(work->x, &work->image, work->prediction.share, model);
+    turn_to_camera(work->x, work->image.down);
     for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j] = api_point(work->x[j]);
-    pose->residual = TO_API(residual);
-    pose->mirror_margin = TO_API(margin);
-    pose->seen = seen;
+    pose->misfit = TO_API(misfit);
+    pose->seen = work->image.seen;
     return EDML_OK;
 }
 

@@ -10,9 +10,9 @@
 /* The thresholds of jacobi.h, the first three relative to the largest entry of the Gram matrix.
  * test_mds.c measures their effect on the points. */
 #define MDS_ROUNDING REAL(5.9604644775390625e-8) /* 2^-24: rounding */
-#define MDS_WANTED REAL(9.5367431640625e-7)      /* 2^-20 */
+#define MDS_WANTED REAL(3.814697265625e-6)       /* 2^-18 */
 #define MDS_UNWANTED REAL(0.0078125)             /* 2^-7 */
-#define MDS_ANGLE REAL(0.00006103515625)         /* 2^-14 */
+#define MDS_ANGLE REAL(0.0001220703125)          /* 2^-13 */
 
 /* Double centring: the Gram matrix J A J of centred points, A = -D^2/2, has the null vector
  * (1, ..., 1).  Instead of subtracting means, reflect that vector onto the last axis: I - u u'/h
@@ -83,7 +83,7 @@ void edml_mds(point x[EDML_JOINTS], const real distance[EDML_PAIRS], edml_work *
         ORDER = EDML_JOINTS - 1,
         ROOM = (int)(sizeof work->scratch.rotation / sizeof work->scratch.rotation[0])
     };
-    real(*gram)[EDML_JOINTS] = work->matrix;
+    real(*gram)[EDML_JOINTS] = work->io.matrix;
     reduced_gram(gram, distance);
     const real scale = largest_entry(gram, ORDER);
     const jacobi_thresholds threshold = {MUL(MDS_UNWANTED, scale) + EPSILON,

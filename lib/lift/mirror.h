@@ -1,7 +1,9 @@
-/* The pose or its mirror image (section 3.3: "the degree of anthropomorphism").
+/* The pose or its mirror image (section 3.3: "the degree of anthropomorphism"): they differ in the signs of
+ * the depths.
  *
  * A rule that tells them apart is an odd function of how far bones point forward of the torso.  This one
- * is linear: thighs point forward, shins backward, and so on.  The model brings its five weights.
+ * is linear: thighs point forward, shins backward, and so on.  The model brings its five weights.  A network
+ * that gives points needs no rule.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,4 +1,4 @@
-/* From the axes of the MDS to those of the camera: scaled-orthographic alignment in closed form.
+/* From the axes of the MDS to those of the body's frame: scaled-orthographic alignment in closed form.
  *
  * Let M be the 2x3 matrix that maps the centred points to the image best in the least squares.
  * The first two rows of the rotation are the orthonormal pair nearest to M's rows,
@@ -14,7 +14,6 @@
 #define EDML_ORIENT_H
 
 #include "../geometry/centre.h"
-#include "../geometry/image_box.h"
 
 /* Ridges, relative to the points' spread. */
 #define ORIENT_LIGHT_RIDGE REAL(0.001)
@@ -23,15 +22,14 @@
 #define PARALLEL_SQUARED REAL(9.5367431640625e-7) /* 2^-20: squared sine that rounding can make */
 
 /* Sums over the seen joints.  The points are those of any distances up to 3 m: their squares add up to
- * at most 105.  The image's coordinates are halved: their squares add up to at most 53 if max_aspect is at
- * most 3.75. */
+ * at most 105.  The image's coordinates are halved: their squares add up to at most 47. */
 typedef struct {
     real xx, xy, xz, yy, yz, zz; /* products of the points about their mean */
     point u, v;                  /* points times image: at most 75 */
     real image;                  /* squares of the image about its mean */
 } moments;
 
-static void add_moments(moments *m, point p, image_point at)
+static void add_moments(moments *m, point p, edml_image_point at)
 {
     m->xx += MUL(p.x, p.x);
     m->xy += MUL(p.x, p.y);
@@ -44,20 +42,16 @@ static void add_moments(moments *m, point p, image_point at)
     m->image += MUL(at.u, at.u) + MUL(at.v, at.v);
 }
 
-static EDML_NOINLINE void sum_moments(moments *m, const point x[EDML_JOINTS],
-                                      const edml_keypoint in[EDML_JOINTS], uint16_t seen)
+static EDML_NOINLINE void sum_moments(moments *m, const point x[EDML_JOINTS], const edml_image *image)
 {
     const moments none = {0, 0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, 0};
-    const image_box box = box_of(in, seen);
-    const point mean = mean_joint(x, seen);
-    const real count = (real)count_seen(seen);
+    const point mean = mean_joint(x, image->seen);
+    const real count = (real)count_seen(image->seen);
     real u = 0, v = 0;
     *m = none;
     for (int j = 0; j < EDML_JOINTS; j++) {
-        if (!is_seen(seen, j)) continue;
-        image_point at = normalise(in[j], &box);
-        at.u = at.u / 2;
-        at.v = at.v / 2;
+        if (!is_seen(image->seen, j)) continue;
+        const edml_image_point at = {image->at[j].u / 2, image->at[j].v / 2};
         u += at.u;
         v += at.v;
         add_moments(m, minus(x[j], mean), at); /* the points are centred, so the image need not be */
@@ -159,26 +153,19 @@ static EDML_NOINLINE void to_camera_axes(point x[EDML_JOINTS], const point *righ
     }
 }
 
-/* As edml_orient(). */
-static edml_status orient_points(point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen)
+edml_status edml_orient(point x[EDML_JOINTS], const edml_image *image)
 {
     moments m;
     point right, down;
-    seen = (uint16_t)(seen & ALL_JOINTS);
-    if (seen == 0) return EDML_ERR_DEGENERATE;
-    sum_moments(&m, x, in, seen);
+    if (x == NULL || image == NULL) return EDML_ERR_ARGUMENT;
+    if ((image->seen & ALL_JOINTS) == 0) return EDML_ERR_DEGENERATE;
+    sum_moments(&m, x, image);
     if (!scale_moments(&m) || !camera_axes(&m, ORIENT_LIGHT_RIDGE, &right, &down) ||
         !camera_axes(&m, ORIENT_MIN_RIDGE + orient_residual(&m, right, down), &right, &down))
         return EDML_ERR_DEGENERATE;
     to_camera_axes(x, &right, &down);
-    move_origin_to_mid_hip(x);
+    move_origin_to_mean(x);
     return EDML_OK;
-}
-
-edml_status edml_orient(point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen)
-{
-    if (x == NULL || in == NULL) return EDML_ERR_ARGUMENT;
-    return orient_points(x, in, seen);
 }
 
 #endif

@@ -23,7 +23,7 @@ EDML_INTERNAL void WEIGHTS(edml__fconn)(value *out, const value *in, const edml_
 {
     value(*units)[EDML_MAX_UNITS] = scratch;
     const dense_layer *layers = model->layers;
-    value *x = units[0]; /* `in` may be the same */
+    value *x = units[0];
     for (int k = 0; k < EDML_PAIRS; k++) x[k] = network_input(in[k]);
     for (int n = 0; n < model->layer_count; n++) {
         value *y = units[(n + 1) & 1];

@@ -103,14 +103,12 @@ static void fill_image(activation *image, const value *edm)
     }
 }
 
-/* The scratch.  `in` may lie in `wide`, which is written only after it is read. */
+/* The scratch. */
 typedef struct {
     activation wide[7 * 7 * FCONV_CHANNELS], narrow[4 * 4 * FCONV_CHANNELS];
     value sum[2][FCONV_CHANNELS], image[SIDE * SIDE];
 } fconv_maps;
 
-typedef char scratch_of_a_lift_ends_in_wide
-    [sizeof(((edml_work *)0)->scratch.integer) <= sizeof(((fconv_maps *)0)->wide) ? 1 : -1];
 typedef char maps_fit_the_fixed_work_memory[sizeof(activation) > 2 ||
                                                     offsetof(edml_work_q, scratch) + sizeof(fconv_maps) <=
                                                         sizeof(edml_fconv_work_q)

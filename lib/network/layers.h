@@ -14,10 +14,11 @@ enum {
     EDML_ROWS = 8,                /* rows of weights that lie side by side */
     EDML_MAX_UNITS = 192,         /* of a fully connected layer: two layers fit a lift's scratch */
     EDML_ACTIVATION = 32767,      /* the largest activation of a quantised network */
-    EDML_EDM_SHIFT = 12,          /* a quantised network reads the EDM in Q24 >> 12: Q12, below 8 */
-    EDML_SOFTENING = 2458,        /* Q12, 0.6: equivariant.h reads d^2 / (d + softening) */
-    EDML_INPUT_ZERO_POINT = 14336 /* Q12: what quantised equivariant networks subtract from that */
+    EDML_INPUT_SHIFT = 12,        /* a quantised network reads Q24 >> 12: Q12, within 8 */
+    EDML_SOFTENING = 2458         /* Q12, 0.6: equivariant networks read d^2 / (d + softening) */
 };
+
+#define EDML_GROUPS(outputs) (((outputs) + EDML_ROWS - 1) / EDML_ROWS)
 
 /* y = relu(W x + b) */
 typedef struct {
@@ -26,9 +27,10 @@ typedef struct {
     const float *bias;   /* [groups * EDML_ROWS] */
 } edml_dense_f32;
 
-/* y = clamp(((W x + b) multiplier + 2^(shift - 1)) >> shift, 0, clamp), the product in 64 bits.
+/* y = clamp(((W x + b) multiplier + 2^(shift - 1)) >> shift, 0, clamp), the product in 64 bits; the last
+ * layer of an equivariant network has no ReLU, so that its y has the sign of W x + b.
  *   x  0 to EDML_ACTIVATION.  In an equivariant network: the sum or difference of two activations of up
- *      to half of that; in its first layer, of two inputs of -14336 to 16145
+ *      to half of that; in its first layer, -32768 to 32767
  * The exporter proves from the rows' weights and these bounds that no sum on the way to W x + b leaves 32
  * bits. */
 typedef struct {

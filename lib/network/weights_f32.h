@@ -4,8 +4,9 @@
  *   value, activation  what sums are made of; what a layer reads
  *   weight             one of dense_layer's, which is a layer of these weights
  *   network_input()    a distance of the EDM, as the network reads it
- *   soften()           d^2 / (d + EDML_SOFTENING / 4096) instead of d
+ *   signed_input()     a number within +-8, as the network reads it
  *   activate()         what a row's sum becomes behind the ReLU
+ *   signed_output()    what a row's sum becomes without one
  *   mean_output()      the mean of two sums of the last layer, behind the ReLU
  *   DOT8               the header that has dot8()
  *
@@ -25,15 +26,18 @@ typedef edml_dense_f32 dense_layer;
 
 static inline float network_input(float distance) { return distance; }
 
-static inline float soften(float distance, float softening)
-{
-    return distance * distance / (distance + softening / 4096);
-}
+static inline float signed_input(float number) { return number; }
 
 static inline float activate(float sum, const dense_layer *layer, int row)
 {
     (void)layer, (void)row;
     return sum > 0 ? sum : 0;
+}
+
+static inline float signed_output(float sum, const dense_layer *layer, int row)
+{
+    (void)layer, (void)row;
+    return sum;
 }
 
 static inline float mean_output(float a, float b, const dense_layer *layer)

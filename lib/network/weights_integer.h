@@ -14,17 +14,16 @@ typedef int32_t value;
 /* From Q24, 0 or more, to Q12 below 8, to the nearest. */
 static inline int32_t network_input(int32_t distance)
 {
-    const int32_t limit = (INT32_C(1) << (27 - EDML_EDM_SHIFT)) - 1;
-    const int32_t rounded = ((distance >> (EDML_EDM_SHIFT - 1)) + 1) >> 1;
+    const int32_t limit = (INT32_C(1) << (27 - EDML_INPUT_SHIFT)) - 1;
+    const int32_t rounded = ((distance >> (EDML_INPUT_SHIFT - 1)) + 1) >> 1;
     return rounded < limit ? rounded : limit;
 }
 
-/* Q12, counted from about the middle of its range, so that the sum of two has 16 bits; the first layer's
- * biases make up for that.  -14336 to 16145. */
-static inline int32_t soften(int32_t distance, int32_t softening)
+/* From Q24 within +-8 to Q12, to the nearest; -32768 to 32767. */
+static inline int32_t signed_input(int32_t number)
 {
-    const int32_t sum = distance + softening;
-    return (distance * distance + sum / 2) / sum - EDML_INPUT_ZERO_POINT;
+    const int32_t rounded = ((number >> (EDML_INPUT_SHIFT - 1)) + 1) >> 1;
+    return rounded < 32767 ? rounded : 32767;
 }
 
 /* A row's sum, 0 to 2^31 - 1, times multiplier / 2^shift, to the nearest, at most `clamp`.  multiplier is
@@ -39,6 +38,12 @@ static inline int32_t requantise(int32_t sum, const dense_layer *layer, int row)
 static inline int32_t activate(int32_t sum, const dense_layer *layer, int row)
 {
     return sum > 0 ? requantise(sum, layer, row) : 0;
+}
+
+/* |sum| < 2^31, which the exporter proves. */
+static inline int32_t signed_output(int32_t sum, const dense_layer *layer, int row)
+{
+    return sum < 0 ? -requantise(-sum, layer, row) : requantise(sum, layer, row);
 }
 
 /* |a|, |b| < 2^30, which the exporter proves; the layer's multiplier halves their sum. */

@@ -21,6 +21,7 @@ typedef int64_t wide;
 #define EPSILON 8
 #define MUL(a, b) mul_q24(a, b)
 #define DIV(a, b) edml__divide_q24(a, b) /* error <= 1/2 unit in the last place */
+#define DIV12(a, b) divide_q12(a, b)     /* error <= 2^-12 (1 + a / b^2) */
 #define SQRT(a) sqrt_q24(a)              /* error < 1 unit, not too large */
 #define HYPOT(a, b) hypot_q24(a, b, 0)   /* error < 1 unit, not too large; result < 128 */
 #define NORM(a, b, c) hypot_q24(a, b, c) /* the same */
@@ -40,6 +41,13 @@ typedef char shifts_are_arithmetic[(-3 >> 1) == -2 ? 1 : -1];
 
 /* To the nearest; |a b| < 128. */
 static inline real mul_q24(real a, real b) { return (real)(((int64_t)a * b + (INT32_C(1) << 23)) >> 24); }
+
+/* By one division of 32 bits: a >> 24 over b >> 12 is a Q12. */
+static inline real divide_q12(real a, real b)
+{
+    const int32_t divisor = b >> 12;
+    return ((a + divisor / 2) / divisor) * 4096; /* a + divisor / 2 < 2^31 for a < 127 */
+}
 
 static inline wide product_q40(real a, real b) /* rounded down */ { return ((int64_t)a * b) >> 8; }
 

@@ -133,7 +133,6 @@ edml_status edml_reflect_by_joint_limits(int *fewer, edml_pose *pose)
     *fewer = gain > 0 ? gain : -gain;
     if (gain <= 0) return EDML_OK;
     for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j].z = -pose->joint[j].z;
-    pose->mirror_margin = 0;
     return EDML_OK;
 }
 

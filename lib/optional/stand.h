@@ -6,23 +6,11 @@
 #define EDML_STAND_H
 
 #include "../api/pose.h"
-#include "../geometry/vector.h"
+#include "../geometry/unit_vector.h"
 
 /* Metres from the floor to the ankle of a foot that stands on it, in CMU's skeletons:
  * tools/fitting/body.py. */
 #define ANKLE_HEIGHT REAL(0.07)
-
-/* The unit vector along a vector of any length; returns 0 if it has no direction. */
-static int unit_vector(point *out, edml_point a)
-{
-    api_real largest = ABS(a.x);
-    if (ABS(a.y) > largest) largest = ABS(a.y);
-    if (ABS(a.z) > largest) largest = ABS(a.z);
-    if (!(largest > 0)) return 0;
-    const point p = {DIV(a.x, largest), DIV(a.y, largest), DIV(a.z, largest)};
-    *out = over(p, norm(p));
-    return 1;
-}
 
 /* The camera's x after the smallest rotation that brings the image's up to the unit vector `up`.  For an
  * upside-down camera that rotation is undefined: it starts from the image's down. */
@@ -37,10 +25,10 @@ static point horizontal_right(point up)
 edml_status edml_stand(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_point up)
 {
     if (out == NULL || pose == NULL) return EDML_ERR_ARGUMENT;
-    if (!(IS_FINITE(up.x) && IS_FINITE(up.y) && IS_FINITE(up.z))) return EDML_ERR_NOT_FINITE;
     if (!is_pose(pose)) return EDML_ERR_NOT_FINITE;
     point y;
-    if (!unit_vector(&y, up)) return EDML_ERR_DEGENERATE;
+    const edml_status status = unit_vector(&y, up);
+    if (status != EDML_OK) return status;
     const point x = horizontal_right(y), z = cross(x, y);
     const real right = dot(y, pose_joint(pose, EDML_R_ANKLE)); /* within 7 m */
     const real left = dot(y, pose_joint(pose, EDML_L_ANKLE));

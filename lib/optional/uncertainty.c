@@ -15,14 +15,14 @@ typedef struct {
     uint8_t lost[MOST_MISSING - 1]; /* not seen, nor a neighbour, by how many joints were not seen: from 2 on */
 } joint_error;
 
-static const joint_error head = {{54, 55, 62, 61, 74}, 70, {67, 68, 73}};
-static const joint_error neck = {{31, 32, 37, 37, 46}, 36, {32, 36, 38}};
-static const joint_error shoulder = {{40, 42, 47, 47, 57}, 51, {47, 50, 54}};
-static const joint_error elbow = {{57, 59, 64, 66, 73}, 78, {98, 94, 106}};
-static const joint_error wrist = {{89, 92, 102, 101, 119}, 159, {183, 186, 212}};
-static const joint_error hip = {{38, 39, 45, 44, 56}, 48, {44, 46, 52}};
-static const joint_error knee = {{61, 63, 74, 73, 91}, 96, {109, 110, 121}};
-static const joint_error ankle = {{90, 94, 110, 110, 133}, 142, {174, 185, 188}};
+static const joint_error head = {{54, 56, 62, 60, 74}, 71, {71, 75, 77}};
+static const joint_error neck = {{31, 32, 37, 36, 46}, 36, {36, 37, 38}};
+static const joint_error shoulder = {{40, 42, 47, 47, 57}, 50, {49, 51, 55}};
+static const joint_error elbow = {{57, 60, 64, 65, 74}, 79, {96, 91, 108}};
+static const joint_error wrist = {{88, 90, 98, 99, 115}, 145, {176, 187, 209}};
+static const joint_error hip = {{39, 41, 47, 45, 60}, 50, {48, 47, 54}};
+static const joint_error knee = {{62, 65, 73, 72, 90}, 94, {110, 104, 125}};
+static const joint_error ankle = {{89, 95, 108, 106, 129}, 142, {172, 185, 189}};
 
 static const joint_error *const errors[EDML_JOINTS] = {
     &head,  &neck, &shoulder, &elbow, &wrist, &shoulder, &elbow,

@@ -32,9 +32,11 @@ enum { MIN_SEEN = EDML_JOINTS / 2 };
 /* Log-odds, see flips(). */
 #define MAX_LOG_ODDS 6.0F      /* no belief is stronger */
 #define SIDES_AT_START 2.0F    /* that the detector's sides are right at the start ... */
+#define MIRROR_AT_START 2.0F   /* the same for the first mirror image */
 #define SIDES_PER_SECOND 16.0F /* ... and the evidence for it that each second of detections adds */
 #define SIDES_CONTINUE 0.3F    /* seconds, per squared body size */
 #define MIRROR_CONTINUES 0.15F /* seconds per square metre */
+#define MIRROR_PER_FRAME 5.0F  /* evidence for the mirror image that a single frame gives */
 
 /* ---- The one-euro filter (Casiez, Roussel, Vogel 2012) ---------------------------------------- */
 
@@ -259,7 +261,7 @@ static int choose_mirror(edml_track *track, edml_pose *out)
     float continuity = 0;
     for (int j = 0; j < EDML_JOINTS; j++) continuity += 4 * out->joint[j].z * track->joint[j].space.at.z;
     continuity *= MIRROR_CONTINUES / (0.001F * (float)track->elapsed);
-    if (flips(&track->mirror_log_odds, continuity, out->mirror_margin)) {
+    if (flips(&track->mirror_log_odds, continuity, MIRROR_PER_FRAME)) {
         for (int j = 0; j < EDML_JOINTS; j++) {
             track->joint[j].space.at.z = -track->joint[j].space.at.z;
             track->joint[j].space.rate.z = -track->joint[j].space.rate.z;
@@ -276,9 +278,8 @@ static void smooth_pose(edml_track *track, edml_pose *out)
     const edml_smoothing by = lighten(track->smooth_space, track);
     const int first = track->elapsed == 0;
     const float seconds = 0.001F * (float)track->elapsed;
-    if (first) track->mirror_log_odds = clamp_float(out->mirror_margin, MAX_LOG_ODDS);
+    if (first) track->mirror_log_odds = MIRROR_AT_START;
     track->mirrored = (uint8_t)(first ? 0 : choose_mirror(track, out));
-    out->mirror_margin = track->mirror_log_odds;
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (first)
             track->joint[j].space = at_rest(out->joint[j]);
@@ -322,7 +323,8 @@ void edml_track_swap_sides(edml_keypoint in[EDML_JOINTS], const edml_track *trac
 }
 
 edml_status edml_track_lift(edml_pose *out, edml_track *track, const edml_keypoint in[EDML_JOINTS],
-                            uint32_t time_ms, const edml_model *model, void *work, size_t work_bytes)
+                            uint32_t time_ms, const edml_point *up, const edml_model *model, void *work,
+                            size_t work_bytes)
 {
     if (out == NULL || track == NULL || in == NULL || model == NULL || work == NULL)
         return EDML_ERR_ARGUMENT;
@@ -341,7 +343,7 @@ edml_status edml_track_lift(edml_pose *out, edml_track *track, const edml_keypoi
     memcpy(joints, in, sizeof joints);
     move_on(&next, time_ms);
     smooth_image(&next, joints, size);
-    const edml_status status = edml_lift(out, joints, model, work, work_bytes);
+    const edml_status status = edml_lift(out, joints, up, model, work, work_bytes);
     if (status != EDML_OK) return status;
     out->seen = (uint16_t)(out->seen & ~next.held);
     smooth_pose(&next, out);

@@ -12,10 +12,10 @@
 #include "../../api/pose.h"
 #include "../../geometry/seen.h"
 #include "least_squares.h"
+#include "line_of_sight.h"
 
 #define MIN_JOINTS 7                 /* from 6, one in some thousand finds another pose */
 #define NEGLIGIBLE_PART 1024         /* a joint with less of all confidence counts as not seen */
-#define MAX_TANGENT 2                /* of a ray to the camera's axis, along x and along y */
 #define MIN_SPREAD REAL(0.001953125) /* 2^-9 */
 #define MIN_SIZE REAL(0.015625)      /* root of a pose's mean square, metres */
 
@@ -49,21 +49,14 @@ static edml_status set_weights(scene *v, const edml_keypoint in[EDML_JOINTS])
     return count_seen(seen) < MIN_JOINTS ? EDML_ERR_TOO_FEW_JOINTS : EDML_OK;
 }
 
-/* Can a camera have these numbers? */
-static int is_camera(const edml_camera *camera)
-{
-    return IS_FINITE(camera->fx) && IS_FINITE(camera->fy) && IS_FINITE(camera->cx) &&
-           IS_FINITE(camera->cy) && camera->fx > 0 && camera->fy > 0;
-}
-
 static edml_status set_rays(scene *v, const edml_keypoint in[EDML_JOINTS], const edml_camera *camera)
 {
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!(v->ray[j].z > 0)) continue;
-        const pixels x = in[j].x - camera->cx, y = in[j].y - camera->cy;
-        if (ABS(x) / MAX_TANGENT > camera->fx || ABS(y) / MAX_TANGENT > camera->fy) return EDML_ERR_CAMERA;
-        v->ray[j].x = DIV(x, camera->fx);
-        v->ray[j].y = DIV(y, camera->fy);
+        point ray;
+        if (!line_of_sight(&ray, in[j], camera)) return EDML_ERR_CAMERA;
+        v->ray[j].x = ray.x;
+        v->ray[j].y = ray.y;
     }
     return EDML_OK;
 }
@@ -107,13 +100,7 @@ static void set_view_rotation(scene *v)
         const point ray = {v->ray[j].x, v->ray[j].y, REAL(1.0)};
         if (v->ray[j].z > 0) add_multiple(&sum, weight_of(v, j), ray);
     }
-    const point z = over(sum, norm(sum)); /* 1/3 < z.z <= 1, because no ray is steeper than 2 */
-    const real ratio = DIV(REAL(1.0), REAL(1.0) + z.z);
-    const real xy = MUL(ratio, MUL(z.x, z.y));
-    const matrix3 view_rotation = {{REAL(1.0) - MUL(ratio, MUL(z.x, z.x)), -xy, -z.x},
-                                   {-xy, REAL(1.0) - MUL(ratio, MUL(z.y, z.y)), -z.y},
-                                   z};
-    v->view_rotation = view_rotation;
+    v->view_rotation = rotation_onto(over(sum, norm(sum))); /* z.z > 1/3: no ray is steeper than 2 */
 }
 
 /* Where the rays pass depth 1 of the view, to a; and `spread`, their RMS. */

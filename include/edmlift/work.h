@@ -1,0 +1,56 @@
+/* Work memory of a lift.  Make it static, because it is too large for most tasks' stacks.  Its contents mean
+ * nothing between calls, and its members are not part of the interface.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDMLIFT_WORK_H
+#define EDMLIFT_WORK_H
+
+#include "../edmlift.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct { /* a joint in the body's frame: edml_body_frame() of stages.h */
+    float u, v;
+} edml_image_point;
+
+typedef struct {
+    edml_image_point at[EDML_JOINTS], down;
+    uint16_t seen;
+} edml_image;
+
+typedef struct { /* what a network says: edml_predict() */
+    float distance[EDML_PAIRS], share[EDML_JOINTS];
+    edml_point x[EDML_JOINTS];
+} edml_prediction;
+
+typedef struct { /* one of edml_jacobi() */
+    float sine;
+    uint8_t p, q;
+} edml_jacobi_rotation;
+
+typedef struct {
+    edml_image image;
+    edml_prediction prediction;
+    edml_point x[EDML_JOINTS];
+    union { /* stages that do not overlap in time, here and below */
+        float matrix[EDML_JOINTS][EDML_JOINTS], values[196];
+        int32_t integers[196];
+    } io;
+    union {
+        float layer[2][192];
+        int32_t integer_layer[2][192];
+        edml_jacobi_rotation rotation[320];
+        edml_point step[4][EDML_JOINTS];
+    } scratch;
+} edml_work;
+
+typedef struct { edml_work lift; float more_scratch[3844]; } edml_fconv_work; /* with FConv: 19 KB */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

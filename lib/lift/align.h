@@ -1,0 +1,54 @@
+/* From the axes of the MDS to those of the points that a network gives as well, and the mean of the two.
+ *
+ * The MDS knows neither axes nor the mirror image.  Of all rotations, with a reflection or without, the one
+ * that brings its points nearest to the network's is taken (the orthogonal Procrustes problem).
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_ALIGN_H
+#define EDML_ALIGN_H
+
+#include "../geometry/rotation.h"
+#include "../network/model.h"
+
+/* An eighth of the sum of the products of two sets of centred points.  The squares of x add up to at most 105,
+ * as those of any distances up to 3 m do, and those of onto, within 6 m on each axis, to 1512: the squares of
+ * the entries of m add up to less than 50^2. */
+static matrix3 sum_products(const point onto[EDML_JOINTS], const point x[EDML_JOINTS])
+{
+    matrix3 m = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const point eighth = {x[j].x / 8, x[j].y / 8, x[j].z / 8};
+        add_multiple(&m.x, onto[j].x, eighth);
+        add_multiple(&m.y, onto[j].y, eighth);
+        add_multiple(&m.z, onto[j].z, eighth);
+    }
+    return m;
+}
+
+/* Reverses the matrix if its determinant is negative; returns whether it did. */
+static int reverse_left_handed(matrix3 *m)
+{
+    const point zero = {0, 0, 0};
+    if (dot(direction(m->x), cross(direction(m->y), direction(m->z))) >= 0) return 0;
+    m->x = minus(zero, m->x);
+    m->y = minus(zero, m->y);
+    m->z = minus(zero, m->z);
+    return 1;
+}
+
+void edml_align(point x[EDML_JOINTS], const point onto[EDML_JOINTS], const edml_model *model)
+{
+    const real share = PARAM(model->scaled_share);
+    matrix3 rotation, m = sum_products(onto, x);
+    const int reflected = reverse_left_handed(&m);
+    const int found = nearest_rotation(&rotation, &m);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const point turned = found ? rotate(&rotation, x[j]) : onto[j];
+        x[j] = onto[j];
+        add_multiple(&x[j], reflected ? -share : share, turned);
+        add_multiple(&x[j], -share, onto[j]);
+    }
+}
+
+#endif
