@@ -48,6 +48,13 @@ def look(joints: np.ndarray, rng: np.random.Generator, rig: Rig = PROTOCOL) -> n
 
     joints [F,14,3] world, metres -> [F,14,3] camera axes, metres, camera at the origin.
     """
+    return look_and_up(joints, rng, rig)[0]
+
+
+def look_and_up(
+    joints: np.ndarray, rng: np.random.Generator, rig: Rig = PROTOCOL
+) -> tuple[np.ndarray, np.ndarray]:
+    """look(), and the upward direction [F,3] in the axes of each camera, unit vectors."""
     count = len(joints)
     pelvis = mid_hip(joints).astype(float)
     distance = rng.uniform(*rig.distance, count)
@@ -62,7 +69,8 @@ def look(joints: np.ndarray, rng: np.random.Generator, rig: Rig = PROTOCOL) -> n
     camera = pelvis + np.stack([ground * np.cos(yaw), rise, ground * np.sin(yaw)], 1)
     aim = pelvis + rng.normal(0, rig.aim_sigma, (count, 3))
 
-    return look_from(joints, camera, aim, roll)
+    axes = camera_axes(camera, aim, roll)
+    return _to_camera(joints, camera, axes), axes[..., 1]
 
 
 def look_from(
@@ -73,11 +81,21 @@ def look_from(
     joints [F,14,3] world, metres; camera and aim [3] or [F,3], the points where the camera stands
     and at which it looks; roll in radians, clockwise -> [F,14,3] camera axes, camera at the origin.
     """
+    return _to_camera(joints, camera, camera_axes(camera, aim, roll))
+
+
+def camera_axes(
+    camera: np.ndarray, aim: np.ndarray, roll: float | np.ndarray = 0.0
+) -> np.ndarray:
+    """Rows [...,3,3]: right, down and forward in the world, of cameras as look_from() has them."""
     forward = _unit(aim - camera)
     right = _unit(np.cross(forward, [0.0, 1.0, 0.0]))
     down = np.cross(forward, right)
     c, s = np.cos(roll)[..., None], np.sin(roll)[..., None]
-    axes = np.stack([c * right + s * down, c * down - s * right, forward], -2)
+    return np.stack([c * right + s * down, c * down - s * right, forward], -2)
+
+
+def _to_camera(joints: np.ndarray, camera: np.ndarray, axes: np.ndarray) -> np.ndarray:
     return np.einsum("...ij,...kj->...ki", axes, joints - camera[..., None, :])
 
 
@@ -133,6 +151,36 @@ def adapter_error(
     sigma = rng.choice(ADAPTED_HEAD, (len(points), 1))
     head = skeleton.INDEX["head"]
     out[:, head] += rng.normal(size=(len(points), 2)) * sigma * pixels
+    return out
+
+
+# Where detectors put joints that motion capture has elsewhere: metres, the standard deviation of an
+# offset that a detector has for everyone alike, along the bone that ends there, and across.
+DEFINITION = {
+    "shoulder": (0.015, 0.015), "elbow": (0.010, 0.005), "wrist": (0.020, 0.005),
+    "hip": (0.030, 0.025), "knee": (0.015, 0.005), "ankle": (0.020, 0.008),
+}  # fmt: skip
+
+
+def redefine(
+    joints: np.ndarray, rng: np.random.Generator, scale: float | np.ndarray = 1.0
+) -> np.ndarray:
+    """Poses whose joints are defined a little differently, left and right alike.
+
+    joints [F,14,3]; scale: of DEFINITION, a number or one a pose [F].  The offsets are along the
+    bone (of hips and shoulders: along the trunk), and across it away from the body's middle.
+    """
+    out = joints.astype(float)
+    up = _unit(joints[:, skeleton.INDEX["neck_base"]] - mid_hip(joints))
+    for name, sigma in DEFINITION.items():
+        along, across = rng.normal(size=(2, len(joints), 1)) * np.reshape(scale, (1, -1, 1))
+        right, left = indices((f"right_{name}", f"left_{name}"))
+        outward = _unit(joints[:, right] - joints[:, left])
+        for joint, sign in ((right, 1), (left, -1)):
+            bone = up
+            if name not in ("hip", "shoulder"):
+                bone = _unit(joints[:, joint] - joints[:, PARENT[joint]])
+            out[:, joint] += sigma[0] * along * bone + sign * sigma[1] * across * outward
     return out
 
 

@@ -79,14 +79,19 @@ WEIGHTS_FORMAT = integer("EDML_WEIGHTS_FORMAT")  # a header of another one does 
 MAX_UNITS = integer("EDML_MAX_UNITS")  # of a layer
 GROUP = integer("EDML_ROWS")  # outputs that a kernel computes together
 ACTIVATION = integer("EDML_ACTIVATION")  # the largest activation of a quantised network
-EDM_SHIFT = integer("EDML_EDM_SHIFT")  # from Q24 to what a quantised network reads
+INPUT_SHIFT = integer("EDML_INPUT_SHIFT")  # from Q24 to what a quantised network reads
 CHANNELS = integer("FCONV_CHANNELS")  # of FConv, at most
 Q12 = 1 << 12
 SOFTENING = integer("EDML_SOFTENING")  # Q12, of the person's half height
-INPUT_ZERO_POINT = integer("EDML_INPUT_ZERO_POINT")  # Q12, of a softened distance
 
 # ---- Stages of the lift (lib/lift, lib/joints) -----------------------------------------------
 
+WIDEST = number("WIDEST")  # the body's frame: of the seen joints, across and ...
+FARTHEST = number("FARTHEST")  # ... of any, in half extents along the body's axis
+LONGEST_2D = number("LONGEST_2D")  # what a network reads of a distance at most
+MIDDLE_SOFT = number("MIDDLE_SOFT")  # about the middle of softened distances
+MISSING_INPUT = number("MISSING_INPUT")  # what it reads of a joint that is not seen
+GATE_SOFTNESS = number("GATE_SOFTNESS")  # a gate of this size moves a share by a quarter
 OBJECTIVES = enumerators("EDML_STRESS_")  # of the refinement: "none", "square" ...
 MAX_IMPUTED = integer("MAX_IMPUTED")  # joints that the impute stage can guess
 LIGHT_RIDGE, MIN_RIDGE = number("ORIENT_LIGHT_RIDGE"), number("ORIENT_MIN_RIDGE")  # of the spread

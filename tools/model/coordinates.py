@@ -15,28 +15,13 @@ from model import jax_stages
 
 Params = list[tuple[jax.Array, ...]]
 Statistics = list[tuple[jax.Array, jax.Array]]  # mean and variance [M] of each normalised layer
-OUTPUTS = 3 * len(JOINTS)
+INPUTS = OUTPUTS = 3 * len(JOINTS)
 
 
-def inputs(
-    keypoints: jax.Array, mask: bool = False, imputation: jax.Array | None = None
-) -> jax.Array:
-    """2D joints, normalised as those behind the EDM (section 3.1 of the paper).
-
-    keypoints [B,14,3], pixels and confidence (0: not seen) -> [B,28]: the centre of the seen
-    joints' box is the origin, half its height is 1; joints that are not seen are zero, or where
-    `imputation` [14,14] expects them (fitting/imputation.py).  With `mask` [B,42]; its last 14 are
-    1 for seen joints.
-    """
-    points, seen = keypoints[..., :2], keypoints[..., 2:] > 0
-    low, high = (edge[:, None] for edge in jax_stages.box(keypoints))
-    scaled = (points - (low + high) / 2) / ((high - low)[..., 1:] / 2)
-    if imputation is None:
-        scaled = jnp.where(seen, scaled, 0.0)
-    else:
-        scaled = jax_stages.impute(scaled, seen[..., 0], imputation)
-    flat = scaled.reshape(len(points), -1)
-    return jnp.concatenate([flat, seen[..., 0].astype(flat.dtype)], 1) if mask else flat
+def inputs(image: jax_stages.Image) -> jax.Array:
+    """What the networks read of an image, upright: coordinates, and 1 for joints that are seen:
+    [B,42]."""
+    return jnp.concatenate([image.at.reshape(len(image.at), -1), image.seen], 1)
 
 
 def init(widths: Sequence[int], mean: np.ndarray, normalised: bool, seed: int) -> Params:
@@ -94,7 +79,7 @@ def forward(
     key: jax.Array | None = None,
     dropout: float = 0.0,
 ) -> tuple[jax.Array, Statistics]:
-    """[B,28] or [B,42] -> centred poses [B,14,3], metres, and the statistics that were used.
+    """[B,42] -> centred poses [B,14,3], metres, and the statistics that were used.
 
     With `residual`, after the first layer each two have a skip around them, as in Martinez et al.,
     "A simple yet effective baseline for 3d human pose estimation" (ICCV 2017).
@@ -110,9 +95,3 @@ def forward(
             x = run.layer(x, *layer)
     points = (x @ weight + bias).reshape(len(x), -1, 3)
     return points - points.mean(1, keepdims=True), run.used
-
-
-def camera_errors(points: jax.Array, truth: jax.Array) -> jax.Array:
-    """Distance of each joint without alignment but of the centres, [B,14], metres."""
-    truth = truth - truth.mean(1, keepdims=True)
-    return jnp.sqrt(jnp.sum((points - truth) ** 2, -1) + 1e-12)

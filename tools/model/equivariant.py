@@ -1,15 +1,16 @@
-"""FConn that treats left and right alike, in JAX, to be trained: an equivariant network.
+"""A fully connected network that treats left and right alike, in JAX, to be trained.
 
-A pair of joints has a mirror pair, the same with left for right, and so has each hidden unit.  If
-mirror pairs change places in the input they do in the output, whatever the weights: only the sums
-of the two (even) and their differences (odd) are multiplied, each by weights of its own.  So every
-weight counts for left and for right, and layers are as wide as those of a network of twice as many:
+Each unit has a mirror unit.  If what the network reads is mirrored, mirror units change places,
+whatever the weights: only the sums of the two (even) and their differences (odd) are multiplied,
+each by weights of its own.  So every weight counts for left and for right, and layers are as wide
+as those of a network of twice as many.
 
-    91 - 2 x 96 - 2 x 96 - 91, a ReLU behind each; 36,817 parameters
+Training standardises the inputs.  Where they are all far from zero, as softened distances are, a
+few steps push many units to where they never fire again.  The weights that are saved have mean and
+spread in their first layer.
 
-What it reads of a distance d is d^2 / (d + softening).  A distance has a kink where two joints are
-at the same place in the image, as those of a limb that points at the camera, and noise makes such
-a distance longer.
+Inputs come as sums and differences already.  An output row is a pair as well: what the network
+says of something, and of its mirror image.  What inputs and outputs mean is lifter.py's business.
 """
 
 from collections.abc import Sequence
@@ -18,66 +19,88 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from edmlift.joints import PAIR_MIRROR, SELF_MIRRORED
-from model import fconn
-from model.constants import Q12, SOFTENING
+from model.layout import Layout
 
-Params = dict[str, jax.Array]  # weight0 [even + odd inputs, units], bias0 [units], weight1 ...
-MIRROR_PAIRS = len(PAIR_MIRROR)  # 49; the last 7, such as that of the knees, are their own
-ODD = MIRROR_PAIRS - SELF_MIRRORED
+# weight0 [even + odd inputs, units], bias0 [units], weight1 ...; of the inputs, mean and spread
+# [even + odd inputs], which are not trained.
+Params = dict[str, jax.Array]
+LEAST_SPREAD = 1e-3  # of an input
 
 
-def init(mean_output: np.ndarray, seed: int, hidden: Sequence[int] = (96, 96)) -> Params:
-    """He initialisation; the last bias starts at the mean EDM [91], because a dead ReLU stays
-    dead."""
+def init(
+    layout: Layout, hidden: Sequence[int], bias: np.ndarray, inputs: np.ndarray, seed: int
+) -> Params:
+    """He initialisation; the output rows start at `bias` [rows].
+
+    inputs  [F,even + odd] of training views, by which they are standardised
+    """
+    is_even = np.arange(inputs.shape[1]) < layout.even  # odd ones are as often negative
     rng = np.random.default_rng(seed)
-    inputs = (len(mean_output), *(2 * width for width in hidden))
-    params = {}
-    for layer, (rows, units) in enumerate(zip(inputs, (*hidden, MIRROR_PAIRS), strict=True)):
+    widths = [inputs.shape[1], *(2 * width for width in hidden)]
+    params = {"mean": inputs.mean(0) * is_even}
+    spread = np.sqrt(np.mean((inputs - params["mean"]) ** 2, 0))
+    params["spread"] = np.maximum(spread, LEAST_SPREAD)
+    for layer, (rows, units) in enumerate(zip(widths, (*hidden, len(bias)), strict=True)):
         params[f"weight{layer}"] = rng.normal(0, np.sqrt(1 / rows), (rows, units))
         params[f"bias{layer}"] = np.zeros(units)
     params[f"weight{layer}"] *= 0.1
-    params[f"weight{layer}"][hidden[-1] :, ODD:] = 0  # a pair that is its own has nothing odd
-    params[f"bias{layer}"] = mean_output[PAIR_MIRROR].mean(1)
+    params[f"bias{layer}"] = bias
     return {name: jnp.asarray(value, jnp.float32) for name, value in params.items()}
 
 
-def soften(edm: np.ndarray | jax.Array) -> np.ndarray | jax.Array:
-    """Normalised 2D distances without their kink at zero; far from it, less by the softening."""
-    return edm**2 / (edm + SOFTENING / Q12)
+def plain(params: Params, layout: Layout) -> Params:
+    """Weights and biases alone, for inputs as they are; zero where the layout has nothing."""
+    kept = {name: v for name, v in params.items() if name.startswith(("weight", "bias"))}
+    mean, spread = (jax.lax.stop_gradient(params[name]) for name in ("mean", "spread"))
+    first = params["weight0"] / spread[:, None]
+    kept |= {"weight0": first, "bias0": params["bias0"] - mean @ first}
+    return masked(kept, layout)
 
 
-def even_and_odd(first: jax.Array, second: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Sums and differences of mirror pairs, [B,units] each."""
-    return first + second, first - second
+def masked(params: Params, layout: Layout) -> Params:
+    """The parameters without what the layout does not have: those weights are zero."""
+    last = layer_count(params) - 1
+    weight, bias = params[f"weight{last}"], params[f"bias{last}"]
+    half = len(weight) // 2
+    weight = jnp.concatenate([weight[:half] * layout.has_even, weight[half:] * layout.has_odd])
+    return params | {f"weight{last}": weight, f"bias{last}": bias * layout.has_even}
 
 
-def predict(params: Params, edm: jax.Array) -> jax.Array:
-    """Distances of normalised 2D distances, [B,91] -> [B,91] metres."""
-    return forward(params, edm, None, 0.0)[0]
+def layer_count(params: Params) -> int:
+    """Layers of a network."""
+    return sum(name.startswith("weight") for name in params)
 
 
 def forward(
-    params: Params, edm: jax.Array, key: jax.Array | None, dropout: float
-) -> tuple[jax.Array, Params]:
-    """The same, and the parameters that are observed instead of trained: none.  There is no
-    dropout, so the key is not used."""
-    if dropout > 0:
-        raise ValueError("no dropout in this network")
-    soft = soften(edm)
-    even, odd = even_and_odd(soft[:, PAIR_MIRROR[:, 0]], soft[:, PAIR_MIRROR[:, 1]])
-    odd = odd[:, :ODD]
-    layers = sum(name.startswith("weight") for name in params)
-    for layer in range(layers):
+    params: Params, layout: Layout, even: jax.Array, odd: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """Rows [B,rows] and their mirror images, from even and odd inputs, [B,n] each."""
+    params = plain(params, layout)
+    last = layer_count(params) - 1
+    for layer in range(last + 1):
         weight = params[f"weight{layer}"]
         alike = even @ weight[: even.shape[1]] + params[f"bias{layer}"]
         unlike = odd @ weight[even.shape[1] :]
-        if layer == layers - 1:
-            unlike = unlike.at[:, ODD:].set(0)
+        first, second = alike + unlike, alike - unlike
+        if layer < last:
+            first, second = jax.nn.relu(first), jax.nn.relu(second)
+            even, odd = first + second, first - second
+    return first, second
+
+
+def to_arrays(params: Params, layout: Layout) -> dict[str, np.ndarray]:
+    """The arrays of an .npz: weights and biases."""
+    return {name: np.asarray(value) for name, value in plain(params, layout).items()}
+
+
+def fires(params: Params, layout: Layout, even: jax.Array, odd: jax.Array) -> list[jax.Array]:
+    """How often each pair of hidden units fires, either of the two: a layer [units] each."""
+    rates, params = [], plain(params, layout)
+    for layer in range(layer_count(params) - 1):
+        weight = params[f"weight{layer}"]
+        alike = even @ weight[: even.shape[1]] + params[f"bias{layer}"]
+        unlike = odd @ weight[even.shape[1] :]
+        rates.append(jnp.mean(alike + jnp.abs(unlike) > 0, 0))
         first, second = jax.nn.relu(alike + unlike), jax.nn.relu(alike - unlike)
-        even, odd = even_and_odd(first, second)
-    distances = jnp.zeros_like(edm).at[:, PAIR_MIRROR[:, 0]].set(first)
-    return distances.at[:, PAIR_MIRROR[:, 1]].set(second), {}
-
-
-to_arrays = fconn.to_arrays  # the arrays of gen/fconn.npz
+        even, odd = first + second, first - second
+    return rates

@@ -4,40 +4,96 @@ The networks between them are equivariant.py, fconn.py and fconv.py.  Only train
 stages; figures and poses that a table reports come from the C library.
 """
 
+from typing import NamedTuple
+
 import jax
 import jax.numpy as jnp
 
-from edmlift.joints import JOINTS, PAIRS
-from model.constants import LIGHT_RIDGE, MIN_RIDGE
+from edmlift.joints import JOINTS, PAIRS, indices
+from model.constants import FARTHEST, GATE_SOFTNESS, LIGHT_RIDGE, MIN_RIDGE, WIDEST
+from model.manifest import NEAREST
 
 COUNT = len(JOINTS)
+MAX_MISFIT = 1.0  # metres: nothing differs by so much; gates alone decide then
+HIPS = jnp.array(indices(("right_hip", "left_hip")))
+UPPER = jnp.array(indices(("head", "neck_base", "right_shoulder", "left_shoulder")))
 TINY = 1e-9
+
+
+class Image(NamedTuple):
+    """Joints in the body's frame: the image about the body, its axis upright (body_frame())."""
+
+    at: jax.Array  # [B,14,2]; imputed where they were not seen
+    seen: jax.Array  # [B,14], 0 or 1
+    down: jax.Array  # [B,2]: the body's axis in the image, a unit vector from the neck to the hips
 
 
 def box(keypoints: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Least and largest x and y of the joints that are seen: [B,14,3] -> [B,2] each."""
-    seen, points = keypoints[..., 2:] > 0, keypoints[..., :2]
-    low = jnp.min(jnp.where(seen, points, jnp.inf), 1)
-    return low, jnp.max(jnp.where(seen, points, -jnp.inf), 1)
+    return extent(keypoints[..., :2], keypoints[..., 2] > 0)
 
 
-def edm_2d(keypoints: jax.Array, imputation: jax.Array | None = None) -> jax.Array:
-    """Normalised 2D distances of a batch (section 3.1 of the paper).
+def extent(points: jax.Array, seen: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Least and largest coordinates [B,2] of the points [B,14,2] that are seen [B,14]."""
+    counts = seen[..., None] > 0
+    low = jnp.min(jnp.where(counts, points, jnp.inf), 1)
+    return low, jnp.max(jnp.where(counts, points, -jnp.inf), 1)
 
-    keypoints [B,14,3], pixels and confidence (0: not seen) -> [B,91].  One factor for x and y:
-    half the vertical extent of the seen joints.  Joints that are not seen are where `imputation`
-    [14,14] expects them (fitting/imputation.py); without one, pairs with such a joint are zero.
+
+def body_frame(
+    keypoints: jax.Array, imputation: jax.Array | None = None, upright: bool = False
+) -> Image:
+    """The image in the body's frame: [B,14,3], pixels and confidence (0: not seen) -> Image.
+
+    The body's axis goes from the middle of head, neck and shoulders to that of the hips.  Half the
+    extent of the seen joints along it is 1, unless they are WIDEST times as far from the mean
+    across it.  Joints that are not seen are where `imputation` [14,14] expects them
+    (fitting/imputation.py); without one they are at 0, and the axis is the image's own, as in
+    section 3.1 of the paper.  With `upright` it is the image's own in any case, as for rivals.
     """
     seen = keypoints[..., 2] > 0
     low, high = box(keypoints)
-    points = keypoints[..., :2]
+    half = jnp.max(high - low, 1)[:, None, None] / 2
+    points = (keypoints[..., :2] - ((low + high) / 2)[:, None]) / half
+    down = jnp.tile(jnp.array([0.0, 1.0]), (len(points), 1))
     if imputation is not None:
-        points = impute(points, seen, imputation)
-    delta = points[:, PAIRS[0]] - points[:, PAIRS[1]]
-    distance = jnp.sqrt(jnp.sum(delta**2, -1)) / ((high - low)[:, 1:] / 2)
-    if imputation is not None:
+        points = jnp.clip(impute(points, seen, imputation), -FARTHEST, FARTHEST)
+    if imputation is not None and not upright:
+        down = points[:, HIPS].mean(1) - points[:, UPPER].mean(1)
+        down = down / jnp.sqrt(jnp.sum(down**2, 1, keepdims=True) + TINY)
+    points = turned(points, down)
+    counts = seen.astype(points.dtype) if imputation is None else jnp.ones(seen.shape)
+    low, high = extent(points, seen)
+    across = about_mean(points[..., :1], counts[..., None])
+    along = points[..., 1:] - ((low + high) / 2)[:, None, 1:]
+    wide = jnp.max(jnp.abs(across) * seen[..., None], (1, 2))
+    half = jnp.maximum((high - low)[:, 1] / 2, wide / WIDEST)[:, None, None]
+    at = jnp.clip(jnp.concatenate([across, along], -1) / half, -FARTHEST, FARTHEST)
+    known = seen[..., None] | (imputation is not None)
+    return Image(jnp.where(known, at, 0.0), seen.astype(points.dtype), down)
+
+
+def turned(points: jax.Array, down: jax.Array) -> jax.Array:
+    """Points [B,14,2 or 3] turned in the image so that the direction `down` [B,2] points down."""
+    x, y = points[..., 0], points[..., 1]
+    sine, cosine = down[:, :1], down[:, 1:]
+    flat = jnp.stack([cosine * x - sine * y, sine * x + cosine * y], -1)
+    return jnp.concatenate([flat, points[..., 2:]], -1)
+
+
+def turned_back(points: jax.Array, down: jax.Array) -> jax.Array:
+    """The inverse of turned()."""
+    return turned(points, down * jnp.array([-1.0, 1.0]))
+
+
+def edm_2d(image: Image, imputed: bool = True) -> jax.Array:
+    """Distances between the joints in the body's frame, [B,91].  Where joints are not imputed,
+    pairs with a joint that is not seen are zero."""
+    delta = image.at[:, PAIRS[0]] - image.at[:, PAIRS[1]]
+    distance = jnp.sqrt(jnp.sum(delta**2, -1) + TINY)
+    if imputed:
         return distance
-    return jnp.where(seen[:, PAIRS[0]] & seen[:, PAIRS[1]], distance, 0.0)
+    return distance * image.seen[:, PAIRS[0]] * image.seen[:, PAIRS[1]]
 
 
 def impute(points: jax.Array, seen: jax.Array, imputation: jax.Array) -> jax.Array:
@@ -109,17 +165,17 @@ def nearest_axes(rows: jax.Array) -> jax.Array:
     return pair / jnp.sqrt(jnp.sum(pair**2, 2, keepdims=True) + TINY)
 
 
-def orient(points: jax.Array, keypoints: jax.Array) -> jax.Array:
-    """The orient stage: [B,14,3] in the axes of the camera of keypoints [B,14,3], about the mean of
-    the seen joints."""
-    seen = (keypoints[..., 2:] > 0).astype(points.dtype)
+def orient(points: jax.Array, image: Image) -> jax.Array:
+    """The orient stage: [B,14,3] in the axes of the body's frame, about the mean of the seen
+    joints."""
+    seen = image.seen[..., None]
     points = about_mean(points, seen)
-    image = about_mean(keypoints[..., :2], seen) * seen
+    flat = about_mean(image.at, seen) * seen
     squares = jnp.einsum("bni,bnj->bij", points * seen, points)
     spread = jnp.trace(squares, axis1=1, axis2=2)[:, None, None]
     squares = squares / spread
-    size = jnp.sqrt(spread * jnp.sum(image**2, (1, 2), keepdims=True))
-    products = jnp.einsum("bni,bnk->bik", points, image) / size
+    size = jnp.sqrt(spread * jnp.sum(flat**2, (1, 2), keepdims=True))
+    products = jnp.einsum("bni,bnk->bik", points, flat) / size
 
     def rows(ridge: float | jax.Array) -> jax.Array:
         solution = jnp.linalg.solve(squares + ridge * jnp.eye(3), products)
@@ -135,43 +191,51 @@ def orient(points: jax.Array, keypoints: jax.Array) -> jax.Array:
     return jnp.einsum("bki,bni->bnk", axes, points)
 
 
-# What fuse() takes, as it is trained: [log-odds of the weight, log of the misfit, log of the
-# distance].
-FUSION = jnp.array([1.4, -2.7, 1.5])
+def align(points: jax.Array, onto: jax.Array) -> jax.Array:
+    """The align stage: centred points [B,14,3] rotated, or rotated and reflected, onto others.
+
+    The rotation is held constant under the gradient.
+    """
+    products = jnp.einsum("bni,bnj->bij", points, onto)
+    u, _, vt = jnp.linalg.svd(jax.lax.stop_gradient(products))
+    return jnp.einsum("bni,bij->bnj", points, u @ vt)
 
 
-def fusion_settings(trained: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Weight (0 to 1), misfit (metres) and distance (metres) of the trained numbers."""
-    return jax.nn.sigmoid(trained[0]), jnp.exp(trained[1]), jnp.exp(trained[2])
+# What fuse() takes, as it is trained: [log of the misfit, log of the distance].
+FUSION = jnp.array([-2.7, 1.5])
 
 
-def fuse(points: jax.Array, keypoints: jax.Array, trained: jax.Array) -> jax.Array:
-    """The fuse stage: [B,14,3] in camera axes, the seen joints moved to where the image of
-    keypoints [B,14,3] has them; mean of the seen at 0."""
-    weight, misfit, distance = fusion_settings(trained)
-    middle = sum(box(keypoints))[:, None] / 2
-    seen = (keypoints[..., 2:] > 0).astype(points.dtype)
+def fusion_settings(trained: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Misfit and distance (metres) of the trained numbers."""
+    misfit = jnp.minimum(jnp.exp(trained[0]), MAX_MISFIT)
+    return misfit, jnp.maximum(jnp.exp(trained[1]), NEAREST)
+
+
+def gate_shares(gates: jax.Array) -> jax.Array:
+    """Shares of the image, 0 to 1, of a network's gates."""
+    return (1 + gates / (jnp.abs(gates) + GATE_SOFTNESS)) / 2
+
+
+def fuse(points: jax.Array, image: Image, shares: jax.Array, trained: jax.Array) -> jax.Array:
+    """The fuse stage: [B,14,3] in the body's frame, the seen joints moved to where the image has
+    them, each by its share [B,14]; mean of the seen at 0."""
+    misfit, distance = fusion_settings(trained)
+    seen = image.seen[..., None]
     points = about_mean(points, seen)
-    image = (keypoints[..., :2] - middle) * (1 + points[..., 2:] / distance)
-    image = about_mean(image, seen) * seen
+    near = about_mean(image.at * (1 + points[..., 2:] / distance), seen) * seen
     flat = points[..., :2] * seen
-    scale = jnp.sum(flat * image, (1, 2), keepdims=True) / jnp.sum(image**2, (1, 2), keepdims=True)
-    off = scale * image - flat
+    scale = jnp.sum(flat * near, (1, 2), keepdims=True) / jnp.sum(near**2, (1, 2), keepdims=True)
+    off = scale * near - flat
     square = jnp.sum(off**2, (1, 2), keepdims=True) / jnp.sum(seen, 1, keepdims=True)
-    part = weight * misfit**2 / (misfit**2 + square)
+    part = shares[..., None] * misfit**2 / (misfit**2 + square)
     return points.at[..., :2].add(part * off)
 
 
-def poses(
-    distances: jax.Array, keypoints: jax.Array, truth: jax.Array, trained: jax.Array
-) -> jax.Array:
-    """The pipeline behind the network, with the true mirror image: distances [B,91], keypoints
-    and truth [B,14,3] -> [B,14,3] in camera axes, about the mean of the seen joints."""
-    points = orient(classical_mds(distances), keypoints)
+def true_mirror(points: jax.Array, truth: jax.Array) -> jax.Array:
+    """Points [B,14,3] or their reflection in depth, whichever is nearer to the truth [B,14,3]."""
     depth = truth[..., 2] - truth[..., 2].mean(1, keepdims=True)
     behind = jnp.sum(points[..., 2] * depth, 1) < 0
-    points = points.at[..., 2].multiply(jnp.where(behind, -1.0, 1.0)[:, None])
-    return fuse(points, keypoints, trained)
+    return points.at[..., 2].multiply(jnp.where(behind, -1.0, 1.0)[:, None])
 
 
 def camera_errors(points: jax.Array, truth: jax.Array) -> jax.Array:

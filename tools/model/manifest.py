@@ -8,8 +8,10 @@ from typing import Any
 
 from data.paths import GEN
 
-# What a manifest says of lib's fuse stage where it is to leave poses alone: weight, metres.
-NO_FUSION = {"weight": 0.0, "misfit": 1.0, "distance": 1000.0}
+# What a manifest says of lib's fuse stage where it is to leave poses alone: share of
+# the image, metres.
+NO_FUSION = {"share": 0.0, "misfit": 1.0, "distance": 1000.0}
+NEAREST = 3.0  # m: the least distance for which lib/lift/fuse.h cannot overflow
 
 
 def read_manifest(model: str) -> dict[str, Any]:

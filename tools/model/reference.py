@@ -1,7 +1,8 @@
 """The lifter's stages in NumPy, double precision: the oracle of the tests.
 
-Written from the paper and the public header, not from the C: another normalisation of the Gram
-matrix, LAPACK's eigenvectors, singular values where the C has closed forms.  One pose at a time.
+Written from the paper and the public headers, not from the C or from JAX: another normalisation of
+the Gram matrix, LAPACK's eigenvectors, singular values where the C has closed forms, a plain
+network of twice the width instead of an equivariant one.  One pose at a time.
 """
 
 import json
@@ -11,9 +12,23 @@ from pathlib import Path
 import numpy as np
 
 from edmlift.joints import INDEX, PAIR_MIRROR, PAIRS, SELF_MIRRORED, mid_hip
-from model.constants import LIGHT_RIDGE, MIN_RIDGE, Q12, SOFTENING, imputation
+from model.constants import (
+    FARTHEST,
+    GATE_SOFTNESS,
+    LIGHT_RIDGE,
+    LONGEST_2D,
+    MIDDLE_SOFT,
+    MIN_RIDGE,
+    MISSING_INPUT,
+    Q12,
+    SOFTENING,
+    WIDEST,
+    imputation,
+)
 
 COUNT = 14
+
+Layers = list[tuple[np.ndarray, np.ndarray]]  # (weight [in,out], bias [out])
 
 
 class Refused(ValueError):
@@ -22,39 +37,54 @@ class Refused(ValueError):
 
 @dataclass(frozen=True)
 class Model:
-    """Layers [(weight [in,out], bias [out])] and the settings of the manifest."""
+    """Layers and the settings of the manifest."""
 
-    layers: list[tuple[np.ndarray, np.ndarray]]
+    layers: Layers
     fewest_joints: int
-    max_aspect: float
-    objective: str
-    refine_steps: int
-    mirror: np.ndarray
-    fusion: dict[str, float]  # the last three arguments of fuse()
-    imputation: np.ndarray | None = None  # of edm()
+    fusion: dict[str, float]  # share, misfit, distance; a network with gates gives the share itself
+    objective: str = "none"
+    refine_steps: int = 0
+    mirror: np.ndarray | None = None  # five weights, of a network that gives distances alone
+    scaled_share: float = 0.0
+    imputation: np.ndarray | None = None  # of body_frame()
+
+    @property
+    def kind(self) -> str:
+        """By how many rows the last layer has."""
+        return {81: "distances", 32: "direct", 91: "fconn"}[len(self.layers[-1][1])]
 
 
 def read_model(weights: Path) -> Model:
-    """The model of an .npz of FConn's and the manifest beside it."""
+    """The model of an .npz of fully connected layers and the manifest beside it."""
     manifest = json.loads(weights.with_suffix(".json").read_text("utf-8"))
     with np.load(weights) as arrays:
         layers = [(arrays[f"weight{n}"], arrays[f"bias{n}"]) for n in range(len(arrays) // 2)]
-    names = ("fewest_joints", "max_aspect", "objective", "refine_steps", "fusion")
-    picked = {name: manifest[name] for name in names}
+    names = ("fewest_joints", "objective", "refine_steps", "fusion", "scaled_share")
+    picked = {name: manifest[name] for name in names if name in manifest}
+    mirror = np.array(manifest["mirror"]) if "mirror" in manifest else None
     imputed = imputation() if manifest["missing"] == "imputed" else None
-    return Model(layers, mirror=np.array(manifest["mirror"]), imputation=imputed, **picked)
+    return Model(layers, mirror=mirror, imputation=imputed, **picked)
 
 
-def edm(
-    keypoints: np.ndarray,
-    fewest_joints: int,
-    max_aspect: float,
-    imputation: np.ndarray | None = None,
-) -> np.ndarray:
-    """Normalised 2D distances [91] of keypoints [14,3] (x, y, confidence); section 3.1.
+# ---- The image ---------------------------------------------------------------------------------
 
-    imputation [14,14]: weights by which a joint follows the others; where it is None, distances
-    from joints that were not seen are zero.
+
+@dataclass(frozen=True)
+class Image:
+    """Joints in the body's frame."""
+
+    at: np.ndarray  # [14,2]
+    seen: np.ndarray  # bool [14]
+    down: np.ndarray  # [2]: the body's axis in the image, a unit vector
+
+
+def body_frame(
+    keypoints: np.ndarray, fewest_joints: int, imputation: np.ndarray | None = None
+) -> Image:
+    """Keypoints [14,3] (x, y, confidence) turned to the body's axis and scaled to the body.
+
+    imputation [14,14]: weights by which a joint follows the others; where it is None, joints that
+    were not seen are at 0 and the image is not turned, as in section 3.1.
     """
     xy, confidence = keypoints[:, :2], keypoints[:, 2]
     seen = confidence > 0
@@ -62,63 +92,154 @@ def edm(
         raise Refused("not_finite")
     if seen.sum() < fewest_joints:
         raise Refused("too_few_joints")
-    half = np.ptp(xy[seen, 1]) / 2
+    half = np.ptp(xy[seen], axis=0).max() / 2
     if half <= np.abs(xy[seen]).max() / 4096:
         raise Refused("degenerate")
-    if np.ptp(xy[seen, 0]) / 2 > max_aspect * half:
-        raise Refused("aspect")
     spread = np.linalg.svd(xy[seen] - xy[seen].mean(0), compute_uv=False)
     if spread[1] <= spread[0] / 128:
         raise Refused("degenerate")
+    at = (xy - (xy[seen].max(0) + xy[seen].min(0)) / 2) / half
+    down, counted = np.array([0.0, 1.0]), seen
     if imputation is not None:
-        xy, seen = impute(xy, seen, imputation), np.ones(COUNT, bool)
-    distance = np.linalg.norm(xy[:, None] / half - xy[None] / half, axis=-1)
-    distance[~seen] = distance[:, ~seen] = 0
-    return distance[PAIRS]
+        at = np.clip(impute(at, seen, imputation), -FARTHEST, FARTHEST)
+        down, counted = body_axis(at), np.ones(COUNT, bool)
+    at = turned(at, down)
+    across = at[:, 0] - at[counted, 0].mean()
+    along = at[:, 1] - (at[seen, 1].max() + at[seen, 1].min()) / 2
+    half = max(np.abs(along[seen]).max(), np.abs(across[seen]).max() / WIDEST)
+    at = np.clip(np.stack([across, along], 1) / half, -FARTHEST, FARTHEST)
+    at[~counted] = 0
+    return Image(at, seen, down)
+
+
+def body_axis(at: np.ndarray) -> np.ndarray:
+    """The direction from the middle of head, neck and shoulders to that of the hips; where the two
+    are in one place, the image's own."""
+    upper = ("head", "neck_base", "right_shoulder", "left_shoulder")
+    axis = mid_hip(at) - np.mean([at[INDEX[name]] for name in upper], 0)
+    length = np.hypot(*axis)
+    return axis / length if length > 1e-3 else np.array([0.0, 1.0])
+
+
+def turned(points: np.ndarray, down: np.ndarray) -> np.ndarray:
+    """Points [...,2 or 3] in axes of which the second is the direction `down` in the image."""
+    axes = np.eye(points.shape[-1])
+    axes[:2, :2] = [[down[1], -down[0]], down]
+    return points @ axes.T
 
 
 def impute(xy: np.ndarray, seen: np.ndarray, imputation: np.ndarray) -> np.ndarray:
-    """Points [14,2]; those that were not seen [14] are at their conditional mean given the others.
-
-    The origin is the seen ones' mean, so that a small error of a weight does not move points far
-    from the image's own origin.
-    """
-    middle = xy[seen].mean(0)
+    """Points [14,2]; those that were not seen [14] are at their conditional mean given the
+    others."""
     system = np.eye(COUNT) - imputation
-    right = -system[np.ix_(~seen, seen)] @ (xy[seen] - middle)
+    right = -system[np.ix_(~seen, seen)] @ xy[seen]
     out = xy.copy()
-    out[~seen] = np.linalg.solve(system[np.ix_(~seen, ~seen)], right) + middle
+    out[~seen] = np.linalg.solve(system[np.ix_(~seen, ~seen)], right)
     return out
 
 
-def net(layers: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarray:
-    """FConn: [91] -> [91] metres; section 3.2.  With 49 outputs, equivariant()."""
-    if len(layers[-1][1]) == len(PAIR_MIRROR):
-        return equivariant(layers, x)
+def edm(image: Image) -> np.ndarray:
+    """Distances [91] between the joints in the body's frame (eq. 1)."""
+    return distances(image.at)
+
+
+# ---- Networks ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What a network says, metres; None: not this kind."""
+
+    share: np.ndarray  # [14], of the image
+    distance: np.ndarray | None = None  # [91]
+    points: np.ndarray | None = None  # [14,3], their mean is 0
+
+
+def predict(model: Model, image: Image, up: np.ndarray | None = None) -> Prediction:
+    """The network; up [3]: in the camera's axes, of any length."""
+    if model.kind == "fconn":
+        both = image.seen[PAIRS[0]] & image.seen[PAIRS[1]] | (model.imputation is not None)
+        share = np.full(COUNT, model.fusion["share"])
+        return Prediction(share, net(model.layers, edm(image) * both))
+    of_distances = model.kind == "distances"
+    rows = equivariant(model.layers, *inputs(image, up, of_distances))
+    gates = joints_of(rows[:, -8:])
+    share = (1 + gates / (np.abs(gates) + GATE_SOFTNESS)) / 2
+    distance = None
+    if of_distances:
+        distance = np.zeros(len(PAIRS[0]))
+        distance[PAIR_MIRROR.T] = np.maximum(rows[:, :49], 0)
+    across = joints_of(rows[:, -32:-24] * [[1], [-1]])
+    points = np.stack([across, joints_of(rows[:, -24:-16]), joints_of(rows[:, -16:-8])], 1)
+    return Prediction(share, distance, points - points.mean(0))
+
+
+def net(layers: Layers, x: np.ndarray) -> np.ndarray:
+    """FConn: [91] -> [91] metres; section 3.2."""
     for weight, bias in layers:
         x = np.maximum(x @ weight.astype(float) + bias, 0)
     return x
 
 
-def equivariant(layers: list[tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarray:
-    """FConn with left and right alike, as a plain one of twice the width: [91] -> [91] metres.
+MIDDLE = ("head", "neck_base")
+SIDES = ("shoulder", "elbow", "wrist", "hip", "knee", "ankle")
 
-    It reads d^2 / (d + 0.6) of a distance d.  A unit reads the first of each mirror pair by the sum
-    of its even and its odd weights and the second by their difference; its mirror unit, the other
-    way round.
+
+def sums(values: np.ndarray) -> list[float]:
+    """Of the right and the left joint, twice a joint in the middle: [14] -> 8."""
+    middle = [2 * values[INDEX[name]] for name in MIDDLE]
+    return middle + [values[INDEX[f"right_{n}"]] + values[INDEX[f"left_{n}"]] for n in SIDES]
+
+
+def differences(values: np.ndarray) -> list[float]:
+    """Of the right and the left joint: [14] -> 6."""
+    return [values[INDEX[f"right_{name}"]] - values[INDEX[f"left_{name}"]] for name in SIDES]
+
+
+def joints_of(rows: np.ndarray) -> np.ndarray:
+    """Numbers of joints [14] of rows and mirror rows [2,8]."""
+    values = np.zeros(COUNT)
+    for row, name in enumerate(MIDDLE):
+        values[INDEX[name]] = rows[0, row]
+    for row, name in enumerate(SIDES, len(MIDDLE)):
+        values[INDEX[f"right_{name}"]], values[INDEX[f"left_{name}"]] = rows[:, row]
+    return values
+
+
+def inputs(
+    image: Image, up: np.ndarray | None, of_distances: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """What an equivariant network reads: numbers that a mirror leaves alone (even), and those whose
+    sign it changes (odd)."""
+    (x, y), missing = image.at.T, MISSING_INPUT * ~image.seen
+    even, odd = [], []
+    if of_distances:
+        near = np.minimum(edm(image), LONGEST_2D)
+        soft = near**2 / (near + SOFTENING / Q12)
+        first, second = soft[PAIR_MIRROR.T]
+        even, odd = [*(first + second - 2 * MIDDLE_SOFT)], [*(first - second)[:-SELF_MIRRORED]]
+    known = up is not None
+    upward = turned(unit(up), image.down) if known else np.zeros(3)
+    even += differences(x) + sums(y) + sums(missing)
+    even += [2 * (upward[1] + known), 4 * upward[2], known]
+    odd += sums(x) + differences(y) + differences(missing) + [2 * upward[0]]
+    return np.array(even, float), np.array(odd, float)
+
+
+def equivariant(layers: Layers, even: np.ndarray, odd: np.ndarray) -> np.ndarray:
+    """Rows and mirror rows [2,rows], by a plain network of twice the width.
+
+    A unit reads the first of each mirror pair by the sum of its even and its odd weights and the
+    second by their difference; its mirror unit, the other way round.
     """
-    first, second = PAIR_MIRROR.T
-    x = x * x / (x + SOFTENING / Q12)
-    x = np.concatenate([x[first], x[second]])
-    for weight, bias in layers:
-        even = weight[: len(x) // 2].astype(float)
-        odd = np.zeros_like(even)
-        odd[: len(weight) - len(even)] = weight[len(even) :]
-        dense = np.block([[even + odd, even - odd], [even - odd, even + odd]])
-        x = np.maximum(x @ dense + np.tile(bias, 2), 0)
-    out = np.zeros(len(first) + len(second) - SELF_MIRRORED)
-    out[first], out[second] = np.split(x, 2)
-    return out
+    x = np.concatenate([even, odd])
+    for n, (weight, bias) in enumerate(layers):
+        e, o = np.split(weight.astype(float), [len(even) if n == 0 else len(weight) // 2])
+        dense = np.block([[e, e], [o, -o]] if n == 0 else [[e + o, e - o], [e - o, e + o]])
+        x = x @ dense + np.tile(bias, 2)
+        if n < len(layers) - 1:
+            x = np.maximum(x, 0)
+    return x.reshape(2, -1)
 
 
 def fconv(params: dict[str, np.ndarray], x: np.ndarray) -> np.ndarray:
@@ -387,53 +508,70 @@ def violations(points: np.ndarray, maps: dict[str, np.ndarray]) -> np.ndarray:
     return count
 
 
-def orient(points: np.ndarray, keypoints: np.ndarray) -> np.ndarray:
-    """Scaled-orthographic alignment to the image, ridged by its misfit; root at mid-hip."""
-    seen = keypoints[:, 2] > 0
-    centred = points[seen] - points[seen].mean(0)
-    image = keypoints[seen, :2] - keypoints[seen, :2].mean(0)
-    spread = np.sum(centred**2)
+def align(points: np.ndarray, onto: np.ndarray, share: float) -> np.ndarray:
+    """Weighted mean of two sets of centred points [14,3]: `share` of the first, which are rotated,
+    and if need be reflected, onto the others."""
+    u, _, vt = np.linalg.svd(points.T @ onto)
+    return share * points @ u @ vt + (1 - share) * onto
+
+
+def orient(points: np.ndarray, image: Image) -> np.ndarray:
+    """Scaled-orthographic alignment to the image, ridged by its misfit; the seen joints' mean is
+    the origin."""
+    points = points - points[image.seen].mean(0)
+    seen = points[image.seen]
+    flat = image.at[image.seen] - image.at[image.seen].mean(0)
+    spread = np.sum(seen**2)
 
     def rows(ridge: float) -> np.ndarray:
-        squares = centred.T @ centred + ridge * spread * np.eye(3)
-        u, _, vt = np.linalg.svd(np.linalg.solve(squares, centred.T @ image).T, full_matrices=False)
+        squares = seen.T @ seen + ridge * spread * np.eye(3)
+        u, _, vt = np.linalg.svd(np.linalg.solve(squares, seen.T @ flat).T, full_matrices=False)
         return u @ vt
 
-    across = centred @ rows(LIGHT_RIDGE).T
-    scale = np.sum(across * image) / np.sum(across**2)
-    misfit = np.sum((image / scale - across) ** 2) / spread if scale > 0 else 1.0
+    across = seen @ rows(LIGHT_RIDGE).T
+    scale = np.sum(across * flat) / np.sum(across**2)
+    misfit = np.sum((flat / scale - across) ** 2) / spread if scale > 0 else 1.0
     axes = rows(MIN_RIDGE + min(misfit, 1.0))
-    points = points @ np.vstack([axes, np.cross(axes[0], axes[1])]).T
-    return points - mid_hip(points)
+    return points @ np.vstack([axes, np.cross(axes[0], axes[1])]).T
 
 
 def fuse(
-    points: np.ndarray, keypoints: np.ndarray, weight: float, misfit: float, distance: float
-) -> np.ndarray:
-    """Weighted mean of the x and y of a pose of orient() and those of its image; root at mid-hip.
+    points: np.ndarray, image: Image, share: np.ndarray, misfit: float, distance: float
+) -> tuple[np.ndarray, float]:
+    """Weighted means of the x and y of points of orient() and those of their image; and the root of
+    the mean square of the disagreement, metres.
 
     The image is taken from `distance` metres, and brought to the depth of the joints' middle.  Its
-    weight is weight / (1 + square / misfit^2), square being the mean square of the disagreement.
+    weight is share / (1 + square / misfit^2), share [14], square being the mean square of the
+    disagreement.  The seen joints' mean is the origin.
     """
-    seen = keypoints[:, 2] > 0
+    seen = image.seen
     points = points - points[seen].mean(0)
-    image = keypoints[seen, :2] - (keypoints[seen, :2].max(0) + keypoints[seen, :2].min(0)) / 2
-    image = image * (1 + points[seen, 2:] / distance)
-    image = image - image.mean(0)
-    scale = np.sum(points[seen, :2] * image) / np.sum(image**2)
-    if scale > 0:
-        off = scale * image - points[seen, :2]
-        square = np.sum(off**2) / seen.sum()
-        points[seen, :2] += weight / (1 + square / misfit**2) * off
-    return points - mid_hip(points)
+    near = image.at[seen] * (1 + points[seen, 2:] / distance)
+    near = near - near.mean(0)
+    scale = np.sum(points[seen, :2] * near) / np.sum(near**2)
+    if scale <= 0:
+        return points, float(np.sqrt(np.sum(points[seen, :2] ** 2) / seen.sum()))
+    off = scale * near - points[seen, :2]
+    square = np.sum(off**2) / seen.sum()
+    points[seen, :2] += share[seen, None] / (1 + square / misfit**2) * off
+    return points, float(np.sqrt(square))
 
 
-def lift(model: Model, keypoints: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """Pose [14,3], mirror margin and residual of keypoints [14,3]; raises Refused."""
-    distance = net(
-        model.layers, edm(keypoints, model.fewest_joints, model.max_aspect, model.imputation)
-    )
-    points = refine(mds(distance), distance, model.objective, model.refine_steps)
-    points, margin = mirror(points, model.mirror)
-    pose = fuse(orient(points, keypoints), keypoints, **model.fusion)
-    return pose, margin, np.sqrt(stress(points, distance, "raw"))
+def lift(
+    model: Model, keypoints: np.ndarray, up: np.ndarray | None = None
+) -> tuple[np.ndarray, float]:
+    """Pose [14,3] and misfit of keypoints [14,3]; raises Refused."""
+    image = body_frame(keypoints, model.fewest_joints, model.imputation)
+    said = predict(model, image, up)
+    points = said.points
+    if said.distance is not None:
+        points = refine(mds(said.distance), said.distance, model.objective, model.refine_steps)
+        if said.points is None:
+            points, _ = mirror(orient(points, image), model.mirror)
+        else:
+            points = align(points, said.points, model.scaled_share)
+    settings = {name: model.fusion[name] for name in ("misfit", "distance")}
+    points, misfit = fuse(points, image, said.share, **settings)
+    pose = turned(points, image.down * [-1, 1])
+    return pose - mid_hip(pose), misfit

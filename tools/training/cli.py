@@ -1,25 +1,23 @@
-"""Trains FConn or FConv on motion capture: weights to an .npz with a manifest beside it.
+"""Trains a network on motion capture: weights to an .npz with a manifest beside it.
 
-    train.py MOTION --out gen/fconn.npz
-    train.py MOTION --network fconn --out build/as_in_the_paper.npz
-    train.py MOTION --recipe fconv --out gen/fconv.npz
+    train.py MOTION [MOTION...] --out gen/distances.npz
+    train.py MOTION [MOTION...] --recipe direct --out gen/direct.npz
+    train.py MOTION --recipe fconn --out gen/fconn.npz
     train.py MOTION --recipe paper --out build/paper.npz
 
-FConn is the equivariant network unless --network is `fconn`.  MOTION is an .npz or a folder of
-motion capture (docs/motion-data.md).  Every epoch sees fresh cameras, noise, missing joints and
-bodies.  First comes the plain L2 loss on the distances (section 3.2), then the error of the joints
-of the whole lift, through the MDS and the fusion with the image.  `--hold-out` keeps subjects out
-of training to watch the validation error by; a run goes on where its checkpoint (OUT with suffix
-.state) left off.
+MOTION is an .npz or a folder of motion capture (docs/motion-data.md); poses of those behind the
+first are drawn as often as the recipe says.  Every epoch sees fresh cameras, noise, missing joints
+and bodies.  First comes the plain L2 loss on the distances (section 3.2), then the error of the
+joints of the whole lift, through the MDS and the fusion with the image.  `--hold-out` keeps
+subjects out of training to watch the validation error by; a run goes on where its checkpoint (OUT
+with suffix .state) left off.
 """
 
 import argparse
-import dataclasses
 import sys
 from pathlib import Path
 
 from data.mocap import MocapError, load_motion
-from training.loss import NETWORKS
 from training.manifest import write
 from training.recipe import RECIPES, scale_epochs
 from training.run import Run, split, train
@@ -29,10 +27,9 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
+    parser.add_argument("motion", type=Path, nargs="+", help=".npz or folder of motion capture")
     parser.add_argument("--out", type=Path, required=True, help="weights, .npz")
-    parser.add_argument("--recipe", choices=RECIPES, default="mds")
-    parser.add_argument("--network", choices=NETWORKS, help="instead of the recipe's")
+    parser.add_argument("--recipe", choices=RECIPES, default="distances")
     parser.add_argument("--epochs", type=int, help="epochs in all, instead of the recipe's")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(
@@ -45,11 +42,8 @@ def main() -> int:
     args = arguments()
     state = args.out.with_suffix(".state")
     try:
-        motion, held = split(load_motion(args.motion), args.hold_out)
-        recipe = RECIPES[args.recipe]
-        if args.network is not None:
-            recipe = dataclasses.replace(recipe, network=args.network)
-        run = Run(motion, scale_epochs(recipe, args.epochs), args.seed)
+        motions, held = split([load_motion(path) for path in args.motion], args.hold_out)
+        run = Run(motions, scale_epochs(RECIPES[args.recipe], args.epochs), args.seed)
         if state.exists():
             run.load_state(state)
         args.out.parent.mkdir(parents=True, exist_ok=True)
@@ -57,11 +51,12 @@ def main() -> int:
     except (MocapError, ValueError, FloatingPointError, OSError) as error:
         print(f"train: {error}", file=sys.stderr)
         return 1
-    write(run, args.recipe, args.hold_out, args.out)
+    manifest = write(run, args.recipe, args.hold_out, args.out)
     state.unlink()
+    if silent := manifest.get("silent_units"):
+        print(f"{args.out}: pairs of units that never fire, layer by layer: {silent}")
     people = "people held out" if args.hold_out else "training people"
-    error = run.curve[run.epochs]
-    print(f"{args.out}: error of {people}, mm, better of pose and reflection: {error}")
+    print(f"{args.out}: error of {people}, mm: {run.curve[run.epochs]}")
     return 0
 
 

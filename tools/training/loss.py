@@ -10,59 +10,139 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
-from model import equivariant, fconn, fconv, jax_stages
+from edmlift.joints import BONES
+from model import fconn, fconv, jax_stages, lifter
 from training.recipe import Recipe
 from training.views import Views, imputation_of
 
-NETWORKS: dict[str, ModuleType] = {"fconn": fconn, "equivariant": equivariant, "fconv": fconv}
+NETWORKS: dict[str, ModuleType] = {"fconn": fconn, "fconv": fconv}  # from distances to distances
 BLOCK = 500  # views that a network takes at once
+STRAIGHT = 0.35  # radians: a limb that is bent by less counts as straight, more or less
 
-Params = dict[str, Any]  # of a network; "fusion": what the fuse stage takes
-# (params, keypoints [B,14,3], truth [B,14,3], key) -> a number, and the parameters that are
-# observed instead of trained.
-Loss = Callable[[Params, jax.Array, jax.Array, jax.Array], tuple[jax.Array, Params]]
+Params = dict[str, Any]  # of a network; "fusion", "share": what the fuse stage takes
+# (params, batch, key) -> a number, and the parameters that are observed instead of trained.
+Loss = Callable[[Params, Views, jax.Array], tuple[jax.Array, Params]]
+
+
+def losses(recipe: Recipe) -> tuple[Loss, Loss]:
+    """The loss of each phase: L2 on the distances (section 3.2), the error of the poses."""
+    return distance_losses(recipe) if recipe.network in NETWORKS else lifter_losses(recipe)
+
+
+def start(recipe: Recipe, joints: np.ndarray, views: Views, seed: int) -> Params:
+    """The parameters before the first epoch, for training people [F,14,3] and views of them."""
+    if recipe.network not in NETWORKS:
+        image = jax_stages.body_frame(views.keypoints, imputation_of(recipe))
+        inputs = np.concatenate(lifter.inputs(recipe.network, image, views.up), 1)
+        return lifter.init(recipe.network, recipe.hidden, joints, inputs, seed)
+    mean = np.asarray(jax_stages.edm_3d(joints)).mean(0)
+    params = NETWORKS[recipe.network].init(mean, seed)
+    return params | ({"fusion": jax_stages.FUSION, "share": jnp.array(0.4)} if recipe.fuse else {})
+
+
+# ---- The paper's networks ----------------------------------------------------------------------
 
 
 def distance_losses(recipe: Recipe) -> tuple[Loss, Loss]:
-    """The loss of each phase: L2 on the distances (section 3.2), the error of the lifted joints."""
+    """Of networks from distances to distances."""
     net = NETWORKS[recipe.network]
     imputation = imputation_of(recipe)
     if recipe.mds_epochs > 0 and recipe.rigid < 1 and not recipe.fuse:
         raise ValueError("rigid must be 1 without the fuse stage: points of an MDS have no camera")
 
     def forward(
-        params: Params, keypoints: jax.Array, key: jax.Array
-    ) -> tuple[jax.Array, Params]:
-        return net.forward(params, jax_stages.edm_2d(keypoints, imputation), key, recipe.dropout)
+        params: Params, batch: Views, key: jax.Array
+    ) -> tuple[jax_stages.Image, jax.Array, Params]:
+        image = jax_stages.body_frame(batch.keypoints, imputation)
+        edm = jax_stages.edm_2d(image, recipe.impute)
+        return image, *net.forward(params, edm, key, recipe.dropout)
 
-    def l2_loss(
-        params: Params, keypoints: jax.Array, truth: jax.Array, key: jax.Array
-    ) -> tuple[jax.Array, Params]:
-        predicted, observed = forward(params, keypoints, key)
-        return jnp.mean((predicted - jax_stages.edm_3d(truth)) ** 2), observed
+    def l2_loss(params: Params, batch: Views, key: jax.Array) -> tuple[jax.Array, Params]:
+        _, predicted, observed = forward(params, batch, key)
+        return jnp.mean((predicted - jax_stages.edm_3d(batch.truth)) ** 2), observed
 
-    def mds_loss(
-        params: Params, keypoints: jax.Array, truth: jax.Array, key: jax.Array
-    ) -> tuple[jax.Array, Params]:
-        predicted, observed = forward(params, keypoints, key)
-        pose = poses(predicted, keypoints, truth, params.get("fusion"))
-        error = jax_stages.joint_errors(pose, truth).mean()
+    def mds_loss(params: Params, batch: Views, key: jax.Array) -> tuple[jax.Array, Params]:
+        image, predicted, observed = forward(params, batch, key)
+        pose = scaled_poses(params, image, predicted, batch.truth)
+        error = jax_stages.joint_errors(pose, batch.truth).mean()
         if recipe.rigid < 1:
-            in_camera = jax_stages.camera_errors(pose, truth).mean()
+            in_camera = jax_stages.camera_errors(pose, batch.truth).mean()
             error = recipe.rigid * error + (1 - recipe.rigid) * in_camera
-        square = jnp.mean((predicted - jax_stages.edm_3d(truth)) ** 2)
+        square = jnp.mean((predicted - jax_stages.edm_3d(batch.truth)) ** 2)
         return error + recipe.distance_weight * square, observed
 
     return l2_loss, mds_loss
 
 
-def poses(
-    distances: jax.Array, keypoints: jax.Array, truth: jax.Array, fusion: jax.Array | None
+def scaled_poses(
+    params: Params, image: jax_stages.Image, distances: jax.Array, truth: jax.Array
 ) -> jax.Array:
-    """Poses [B,14,3] whose error counts; fusion None: the points of the MDS, in their own axes."""
-    if fusion is None:
-        return jax_stages.classical_mds(distances)
-    return jax_stages.poses(distances, keypoints, truth, fusion)
+    """Poses [B,14,3] of distances [B,91], the true mirror image; without the fuse stage in the axes
+    of the MDS."""
+    points = jax_stages.classical_mds(distances)
+    if "fusion" not in params:
+        return points
+    points = jax_stages.true_mirror(jax_stages.orient(points, image), truth)
+    shares = jax_stages.gate_shares(params["share"] * jnp.ones_like(image.seen))
+    points = jax_stages.fuse(points, image, shares, params["fusion"])
+    return jax_stages.turned_back(points, image.down)
+
+
+# ---- The equivariant networks ------------------------------------------------------------------
+
+
+def lift(recipe: Recipe, params: Params, views: Views) -> tuple[jax.Array, lifter.Output]:
+    """Poses as lifter.poses() has them, and what the network gave."""
+    image = jax_stages.body_frame(views.keypoints, imputation_of(recipe))
+    output = lifter.run(recipe.network, params, image, views.up)
+    return lifter.poses(params, image, output), output
+
+
+def lifter_losses(recipe: Recipe, lift: Callable = lift) -> tuple[Loss, Loss]:
+    """Of the networks of model/lifter.py: the same in both phases."""
+
+    def pose_loss(params: Params, batch: Views, key: jax.Array) -> tuple[jax.Array, Params]:
+        pose, output = lift(recipe, params, batch)
+        value = pose_errors(recipe, pose, batch.truth)
+        if output.distances is not None:
+            square = jnp.mean((output.distances - jax_stages.edm_3d(batch.truth)) ** 2)
+            value += recipe.distance_weight * square
+        return value, {}
+
+    return pose_loss, pose_loss
+
+
+def pose_errors(recipe: Recipe, pose: jax.Array, truth: jax.Array) -> jax.Array:
+    """What poses [B,14,3] in camera axes are off by, metres: a weighted sum of means."""
+    value = recipe.rigid * jax_stages.joint_errors(pose, truth, mirror=False).mean()
+    value += (1 - recipe.rigid) * jax_stages.camera_errors(pose, truth).mean()
+    value += recipe.direction_weight * direction_errors(pose, truth).mean()
+    bent, off = flexions(truth), jnp.abs(flexions(pose) - flexions(truth))
+    straight = jnp.exp(-((bent / STRAIGHT) ** 2))
+    return value + jnp.mean((recipe.flexion_weight + recipe.straight_weight * straight) * off)
+
+
+STARTS, ENDS = np.array(BONES).T
+HINGES = np.array([(2, 3, 4), (5, 6, 7), (8, 9, 10), (11, 12, 13)])  # elbows, knees
+
+
+def direction_errors(pose: jax.Array, truth: jax.Array) -> jax.Array:
+    """How far apart unit vectors along the bones are, [B,13]."""
+
+    def directions(points: jax.Array) -> jax.Array:
+        bones = points[:, ENDS] - points[:, STARTS]
+        return bones / jnp.sqrt(jnp.sum(bones**2, -1, keepdims=True) + 1e-8)
+
+    difference = directions(pose) - directions(truth)
+    return jnp.sqrt(jnp.sum(difference**2, -1) + jax_stages.TINY)
+
+
+def flexions(points: jax.Array) -> jax.Array:
+    """Flexion of elbows and knees, radians: [B,14,3] -> [B,4], 0 is straight."""
+    before, at, after = (points[:, HINGES[:, k]] for k in range(3))
+    upper, lower = at - before, after - at
+    sine = jnp.sqrt(jnp.sum(jnp.cross(upper, lower) ** 2, -1) + 1e-10)
+    return jnp.arctan2(sine, jnp.sum(upper * lower, -1))
 
 
 # ---- A step ----------------------------------------------------------------------------------
@@ -72,13 +152,10 @@ Carry = tuple[Params, Params, optax.OptState]  # parameters, their average, the 
 
 def make_epoch(
     loss: Loss, recipe: Recipe, optimizer: optax.GradientTransformation
-) -> Callable[[Carry, np.ndarray, np.ndarray, jax.Array], tuple[Carry, jax.Array]]:
-    """The jitted epoch of a loss: (carry, keypoints, truth, key) -> (carry, mean loss).
+) -> Callable[[Carry, Views, jax.Array], tuple[Carry, jax.Array]]:
+    """The jitted epoch of a loss: (carry, the epoch's batches, key) -> (carry, mean loss)."""
 
-    keypoints and truth are the epoch's batches [steps,B,14,3].
-    """
-
-    def step(carry: Carry, batch: tuple[jax.Array, ...]) -> tuple[Carry, jax.Array]:
+    def step(carry: Carry, batch: tuple[Views, jax.Array]) -> tuple[Carry, jax.Array]:
         params, average, state = carry
         (value, observed), gradient = jax.value_and_grad(loss, has_aux=True)(params, *batch)
         updates, state = optimizer.update(gradient, state, params)
@@ -86,11 +163,9 @@ def make_epoch(
         average = optax.incremental_update(params, average, 1 - recipe.average)
         return (params, average, state), value
 
-    def run(
-        carry: Carry, keypoints: jax.Array, truth: jax.Array, key: jax.Array
-    ) -> tuple[Carry, jax.Array]:
-        keys = jax.random.split(key, len(keypoints))
-        carry, values = jax.lax.scan(step, carry, (keypoints, truth, keys))
+    def run(carry: Carry, batches: Views, key: jax.Array) -> tuple[Carry, jax.Array]:
+        keys = jax.random.split(key, len(batches.truth))
+        carry, values = jax.lax.scan(step, carry, (batches, keys))
         return carry, values.mean()
 
     return jax.jit(run)
@@ -115,37 +190,57 @@ def make_optimizer(recipe: Recipe, steps_per_epoch: int) -> optax.GradientTransf
 
 
 @functools.partial(jax.jit, static_argnums=0)
-def predict_block(
-    net: ModuleType, params: Params, keypoints: jax.Array, imputation: jax.Array | None
-) -> jax.Array:
-    """Distances [B,91] of keypoints [B,14,3]."""
-    return net.predict(params, jax_stages.edm_2d(keypoints, imputation))
+def predict_block(recipe: Recipe, params: Params, keypoints: jax.Array) -> jax.Array:
+    """Distances [B,91] of keypoints [B,14,3], by one of NETWORKS."""
+    image = jax_stages.body_frame(keypoints, imputation_of(recipe))
+    return NETWORKS[recipe.network].predict(params, jax_stages.edm_2d(image, recipe.impute))
 
 
 def predict(recipe: Recipe, params: Params, keypoints: np.ndarray) -> np.ndarray:
     """Distances [F,91] of keypoints [F,14,3], a block at a time."""
-    net, imputation = NETWORKS[recipe.network], imputation_of(recipe)
     blocks = [keypoints[i : i + BLOCK] for i in range(0, len(keypoints), BLOCK)]
-    return np.concatenate([predict_block(net, params, block, imputation) for block in blocks])
+    return np.concatenate([predict_block(recipe, params, block) for block in blocks])
 
 
-@jax.jit
-def mean_errors(
-    distances: jax.Array, keypoints: jax.Array, truth: jax.Array, fusion: jax.Array | None
-) -> jax.Array:
-    """Mean joint error of each pose, the better of it and its reflection, [B], metres."""
-    return jax_stages.joint_errors(poses(distances, keypoints, truth, fusion), truth).mean(1)
+@functools.partial(jax.jit, static_argnums=0)
+def block_errors(recipe: Recipe, params: Params, views: Views) -> tuple[jax.Array, jax.Array]:
+    """Mean joint error of each pose [B], metres: rigidly aligned, and in the camera's axes.
+
+    An equivariant network chooses the mirror image, for others it is the better one.
+    """
+    if better := recipe.network in NETWORKS:
+        image = jax_stages.body_frame(views.keypoints, imputation_of(recipe))
+        distances = predict_block(recipe, params, views.keypoints)
+        pose = scaled_poses(params, image, distances, views.truth)
+    else:
+        pose, _ = lift(recipe, params, views)
+    return mean_errors(pose, views.truth, better)
+
+
+def mean_errors(pose: jax.Array, truth: jax.Array, mirror: bool) -> tuple[jax.Array, jax.Array]:
+    """Mean joint error of each pose [B], metres: aligned, with `mirror` the better of it and its
+    reflection; and in the camera's axes."""
+    aligned = jax_stages.joint_errors(pose, truth, mirror).mean(1)
+    return aligned, jax_stages.camera_errors(pose, truth).mean(1)
 
 
 def validate(
-    recipe: Recipe, params: Params, columns: dict[str, Views], subject: np.ndarray
+    errors_of: Callable[[Views], tuple[jax.Array, jax.Array]],
+    columns: dict[str, Views],
+    subject: np.ndarray,
 ) -> dict[str, float]:
-    """Error of each column in mm, the better of pose and reflection: the mean over subjects of
-    their means."""
+    """Errors of each column in mm, aligned and in camera axes: means over subjects.
+
+    errors_of  as block_errors() has them, of BLOCK views
+    """
     result = {}
-    for name, (keypoints, truth) in columns.items():
-        distances = predict(recipe, params, keypoints)
-        error = np.asarray(mean_errors(distances, keypoints, truth, params.get("fusion")))
-        means = [error[subject == s].mean() for s in np.unique(subject)]
-        result[name] = round(float(1000 * np.mean(means)), 2)
+    for name, views in columns.items():
+        blocks = [
+            errors_of(Views(*(a[i : i + BLOCK] for a in views)))
+            for i in range(0, len(views.truth), BLOCK)
+        ]
+        for kind, errors in zip((name, f"{name}_camera"), zip(*blocks, strict=True), strict=True):
+            error = np.concatenate(errors)
+            means = [error[subject == s].mean() for s in np.unique(subject)]
+            result[kind] = round(float(1000 * np.mean(means)), 2)
     return result

@@ -1,10 +1,10 @@
 """A training run: from the first epoch to the last, with checkpoints."""
 
 import dataclasses
+import functools
 import json
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import jax
@@ -13,15 +13,14 @@ import numpy as np
 from tqdm import tqdm
 
 from data.mocap import MocapError, Motion
-from edmlift.joints import PAIRS
-from model import jax_stages
 from training.loss import (
-    NETWORKS,
     Loss,
     Params,
-    distance_losses,
+    block_errors,
+    losses,
     make_epoch,
     make_optimizer,
+    start,
     validate,
 )
 from training.recipe import Recipe
@@ -29,41 +28,35 @@ from training.views import Views, draw_2d, pick_poses, validation_set
 
 STOPS = 30  # of a run, for validation and a checkpoint
 SAMPLE = 3000  # poses to validate on, about
+SETTLE = 100  # batches whose inputs are measured before the first epoch
 
 
 class Run:
     """Parameters, their average, and the optimizer, epoch by epoch."""
 
-    def __init__(self, motion: Motion, recipe: Recipe, seed: int) -> None:
-        self.motion, self.recipe, self.seed = motion, recipe, seed
-        self.steps = len(motion.joints) // recipe.batch
+    def __init__(self, motions: list[Motion], recipe: Recipe, seed: int) -> None:
+        self.motions, self.recipe, self.seed = motions, recipe, seed
+        poses = sum(len(motion.joints) for motion in motions)
+        self.steps = poses // recipe.batch
         if self.steps == 0:
-            raise MocapError(f"{len(motion.joints)} poses do not fill a batch of {recipe.batch}")
+            raise MocapError(f"{poses} poses do not fill a batch of {recipe.batch}")
         optimizer = make_optimizer(recipe, self.steps)
-        self.l2_epoch, self.mds_epoch = (
+        self.l2_epoch, self.pose_epoch = (
             make_epoch(loss, recipe, optimizer) for loss in self.losses()
         )
         params = self.start()
-        if recipe.fuse:
-            params = params | {"fusion": jax_stages.FUSION}
         self.carry = (params, params, optimizer.init(params))
         self.epoch = 0
         self.curve: dict[int, dict[str, float]] = {}  # epoch -> validation error by column, mm
 
     def losses(self) -> tuple[Loss, Loss]:
         """Of the first phase and of the second."""
-        return distance_losses(self.recipe)
+        return losses(self.recipe)
 
     def start(self) -> Params:
-        """The network's parameters before the first epoch."""
-        joints = self.motion.joints
-        mean = np.linalg.norm(joints[:, PAIRS[0]] - joints[:, PAIRS[1]], axis=-1).mean(0)
-        return self.network.init(mean, self.seed)
-
-    @property
-    def network(self) -> ModuleType:
-        """The module of the network."""
-        return NETWORKS[self.recipe.network]
+        """The parameters before the first epoch."""
+        views = Views(*(array[:SETTLE].reshape(-1, *array.shape[2:]) for array in self.draw(0)))
+        return start(self.recipe, self.motions[0].joints, views, self.seed)
 
     @property
     def epochs(self) -> int:
@@ -76,19 +69,22 @@ class Run:
         return self.carry[1]
 
     def draw(self, epoch: int) -> Views:
-        """The batches of an epoch [steps,B,14,3], from the seed and its number alone."""
+        """The batches of an epoch [steps,B,...], from the seed and its number alone."""
         rng = np.random.default_rng([self.seed, epoch])
-        chosen = pick_poses(self.motion.subject, self.recipe, rng)[: self.steps * self.recipe.batch]
-        keypoints, truth = draw_2d(self.motion.joints[chosen], self.recipe, rng)
-        shape = (self.steps, self.recipe.batch, *truth.shape[1:])
-        return keypoints.reshape(shape), truth.reshape(shape)
+        joints = pick_poses(self.motions, self.recipe, rng)[: self.steps * self.recipe.batch]
+        shape = (self.steps, self.recipe.batch)
+        return Views(*(a.reshape(*shape, *a.shape[1:]) for a in draw_2d(joints, self.recipe, rng)))
 
     def advance(self, batches: Views) -> float:
         """One epoch; returns the mean loss."""
-        step = self.l2_epoch if self.epoch < self.recipe.l2_epochs else self.mds_epoch
-        self.carry, loss = step(self.carry, *batches, jax.random.key(self.epoch))
+        step = self.l2_epoch if self.epoch < self.recipe.l2_epochs else self.pose_epoch
+        self.carry, loss = step(self.carry, batches, jax.random.key(self.epoch))
         self.epoch += 1
         return float(loss)
+
+    def validate(self, columns: dict[str, Views], subject: np.ndarray) -> dict[str, float]:
+        """Errors of each column, mm."""
+        return validate(functools.partial(block_errors, self.recipe, self.params), columns, subject)
 
     def save_state(self, path: Path) -> None:
         """Writes a checkpoint, whole or not at all."""
@@ -114,13 +110,17 @@ class Run:
         return json.dumps({"seed": self.seed, **dataclasses.asdict(self.recipe)})
 
 
-def split(motion: Motion, held_out: list[int]) -> tuple[Motion, Motion]:
-    """Training and validation people; without any held out, both are everyone."""
-    chosen = np.isin(motion.subject, held_out)
-    missing = set(held_out) - set(motion.subject.tolist())
+def split(motions: list[Motion], held_out: list[int]) -> tuple[list[Motion], list[Motion]]:
+    """Training and validation people of each motion; without any held out, both are everyone."""
+    missing = set(held_out) - {s for motion in motions for s in motion.subject.tolist()}
     if missing:
-        raise MocapError(f"no subject {sorted(missing)} in {motion.source}")
-    return motion.take(~chosen), motion.take(chosen if held_out else ~chosen)
+        raise MocapError(f"no subject {sorted(missing)} in {motions[0].source}")
+    train, held = [], []
+    for motion in motions:
+        chosen = np.isin(motion.subject, held_out)
+        train.append(motion.take(~chosen))
+        held.append(motion.take(chosen if held_out else ~chosen))
+    return [m for m in train if len(m.joints)], [m for m in held if len(m.joints)]
 
 
 def every_nth(motion: Motion, count: int) -> Motion:
@@ -128,10 +128,20 @@ def every_nth(motion: Motion, count: int) -> Motion:
     return motion.take(np.arange(0, len(motion.joints), max(1, len(motion.joints) // count)))
 
 
-def train(run: Run, held: Motion, state: Path) -> None:
+def train(run: Run, held: list[Motion], state: Path) -> None:
     """Runs to the last epoch with a progress bar."""
-    sample = every_nth(held, SAMPLE)
-    columns = validation_set(sample.joints, run.seed)
+    samples = [every_nth(motion, SAMPLE) for motion in held]
+    columns = [validation_set(sample.joints, run.seed) for sample in samples]
+
+    def errors() -> dict[str, float]:
+        """Of each motion, all columns."""
+        found = {}
+        for sample, views in zip(samples, columns, strict=True):
+            stem = f"{Path(sample.source).stem} " if len(samples) > 1 else ""
+            row = run.validate(views, sample.subject)
+            found |= {stem + name: value for name, value in row.items()}
+        return found
+
     with (
         ThreadPoolExecutor(1) as pool,  # draws the next epoch while this one trains
         tqdm(total=run.epochs, initial=run.epoch, unit="epoch") as bar,
@@ -144,22 +154,24 @@ def train(run: Run, held: Motion, state: Path) -> None:
             if not np.isfinite(loss):
                 raise FloatingPointError(f"loss is {loss} in epoch {run.epoch}: lower the rate")
             if run.epoch % max(1, run.epochs // STOPS) == 0 or run.epoch == run.epochs:
-                error = validate(run.recipe, run.params, columns, sample.subject)
-                run.curve[run.epoch] = {"loss": round(loss, 4), **error}
+                run.curve[run.epoch] = {"loss": round(loss, 4), **errors()}
                 run.save_state(state)
             bar.update()
             bar.set_postfix(next(reversed(run.curve.values()), {"loss": loss}))
 
 
-def origin(motion: Motion, held_out: list[int]) -> dict[str, Any]:
+def origin(motions: list[Motion], held_out: list[int]) -> dict[str, Any]:
     """What was trained on, for manifests."""
-    return {
-        "source": motion.source,
-        "poses": len(motion.joints),
-        "subjects": np.unique(motion.subject).tolist(),
-        "held_out": held_out,
-        "sha256": motion.sha256,
-    }
+    files = [
+        {
+            "source": motion.source,
+            "poses": len(motion.joints),
+            "subjects": np.unique(motion.subject).tolist(),
+            "sha256": motion.sha256,
+        }
+        for motion in motions
+    ]
+    return {"files": files, "held_out": held_out}
 
 
 def by_column(curve: dict[int, dict[str, float]]) -> dict[str, list[float]]:
