@@ -12,16 +12,17 @@ from export.layers import ExportError
 FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-w"]
 
 
-def build_library(weights: Path, folder: Path) -> Library:
-    """The library with these weights in float32, compiled into a folder.  Raises ExportError.
+def build_library(weights: Path, folder: Path, form: str = "f32") -> Library:
+    """The library with these weights, compiled into a folder.  Raises ExportError.
 
-    Its only model has the name of its kind: edml_fconn_f32 or edml_fconv_f32.
+    Its only model has the name of its kind and of the form: edml_distances_f32.
     """
     folder.mkdir(parents=True, exist_ok=True)
     kind, _ = read_network(weights)
-    name = f"{kind.model}_f32"
+    name = f"{kind.model}_{form}"
     header = folder / f"{name}.h"
-    if export_weights([str(weights), "--out", str(header)]) != 0:
+    options = [] if form == "f32" else ["--quantise", form]
+    if export_weights([str(weights), "--out", str(header), *options]) != 0:
         raise ExportError(f"{weights}: not exported")
     model = folder / "model.c"
     model.write_text(f'#include "network/kernels.h"\n#include "{header.name}"\n')

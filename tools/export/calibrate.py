@@ -1,65 +1,89 @@
 """What quantising must know of a network's activations, measured on views of training people.
 
-Only this part of the export needs JAX: the views become EDMs by training's own text.
+Only this part of the export needs JAX: what the network reads of the views is made by training's
+own text.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from data.mocap import load_motion
+from export.kinds import Kind
 from export.layers import ExportError, Layer, digest
 from export.quantise import DENSE, METRE, WEIGHT_TYPES, Plan, equalised, quantise, run
+from export.settings import ModelSettings
+from model import constants
 from training.recipe import Recipe
-from training.views import draw_2d, imputation_of
+from training.views import Views, draw_2d, pick_poses
 
 try:
-    import jax.numpy as jnp
+    import jax
 
-    from model import jax_stages
+    from model import jax_stages, lifter
 except ImportError:  # whoever exports weights of their own may have no JAX
-    jnp = jax_stages = None
+    jax = jax_stages = lifter = None
 
 
-def training_edms(motion: Path, recipe: Mapping[str, Any]) -> np.ndarray:
-    """EDMs [F,91] of one view of each training pose, drawn as in training; the same each time."""
-    if jax_stages is None:
+def training_views(motions: Sequence[Path], settings: ModelSettings) -> Views:
+    """As many views as there are poses, drawn as in training; the same each time."""
+    names = Recipe.__dataclass_fields__.keys() & settings.recipe.keys()
+    known = Recipe(**{name: settings.recipe[name] for name in names})
+    rng = np.random.default_rng([settings.recipe.get("seed", 0), 1 << 32])
+    joints = pick_poses([load_motion(motion) for motion in motions], known, rng)
+    return draw_2d(joints, known, rng)
+
+
+def training_inputs(kind: Kind, motions: Sequence[Path], settings: ModelSettings) -> np.ndarray:
+    """What a network reads [F,in] of training views."""
+    if jax is None:
         raise ExportError("to calibrate takes JAX: pip install -r tools/requirements.txt")
-    names = Recipe.__dataclass_fields__.keys() & recipe.keys()
-    known = Recipe(**{name: recipe[name] for name in names})
-    rng = np.random.default_rng([recipe.get("seed", 0), 1 << 32])
-    keypoints, _ = draw_2d(load_motion(motion).joints, known, rng)
-    return np.asarray(jax_stages.edm_2d(jnp.asarray(keypoints), imputation_of(known)), float)
+    views = training_views(motions, settings)
+    imputed = settings.missing == "imputed"
+    imputation = constants.imputation().astype(np.float32) if imputed else None
+
+    @jax.jit
+    def inputs(views: Views) -> Any:
+        image = jax_stages.body_frame(views.keypoints, imputation)
+        if not kind.of_body:
+            return jax_stages.edm_2d(image, imputed)
+        return jax.numpy.concatenate(lifter.inputs(kind.model, image, views.up), 1)
+
+    return np.asarray(inputs(views), float)
 
 
-def activations(layers: Sequence[Layer], edms: np.ndarray, plan: Plan = DENSE) -> list[np.ndarray]:
-    """What goes into each layer, and the distances: the float network on EDMs [F,91]."""
+def activations(
+    layers: Sequence[Layer], inputs: np.ndarray, plan: Plan = DENSE
+) -> list[np.ndarray]:
+    """What goes into each layer, and the outputs: the float network on what it reads [F,in]."""
 
     def activate(k: int, sums: np.ndarray) -> np.ndarray:
-        return np.maximum(sums, 0) / (1 if k < len(layers) - 1 else plan.sums)
+        if k < len(layers) - 1:
+            return np.maximum(sums, 0)
+        return (sums if plan.signed else np.maximum(sums, 0)) / plan.sums
 
-    return plan.forward(layers, plan.first(edms), activate)
+    return plan.forward(layers, inputs, activate)
 
 
-def calibrate(layers: Sequence[Layer], edms: np.ndarray, plan: Plan = DENSE) -> dict[str, Any]:
-    """What quantising needs to know, and how well it does, on EDMs [F,91]: for the manifest."""
-    if plan.views is not None and len(edms) > plan.views:
-        edms = edms[np.linspace(0, len(edms) - 1, plan.views).astype(int)]
-    exact = activations(layers, edms, plan)[-1]
-    inputs = activations(equalised(layers), edms, plan)[:-1]
+def calibrate(layers: Sequence[Layer], inputs: np.ndarray, plan: Plan = DENSE) -> dict[str, Any]:
+    """What quantising needs to know, and how well it does, on inputs [F,in]: for the manifest."""
+    if plan.views is not None and len(inputs) > plan.views:
+        inputs = inputs[np.linspace(0, len(inputs) - 1, plan.views).astype(int)]
+    exact = activations(layers, inputs, plan)[-1][:, plan.measured]
+    values = activations(equalised(layers), inputs, plan)[:-1]
     calibration = {
         "weights": digest(layers),
-        "views": len(edms),
-        "largest": [round(plan.largest(x), 4) for x in inputs[1:]],
-        "mean": [x.reshape(-1, x.shape[-1]).mean(0).round(4).tolist() for x in inputs],
+        "views": len(inputs),
+        "largest": [round(plan.largest(x), 4) for x in values[1:]],
+        "mean": [plan.mean(k, x).round(4).tolist() for k, x in enumerate(values)],
     }
     errors = {}
     for form in WEIGHT_TYPES:
         network = quantise(layers, calibration, form, plan)
-        distances = run(network, np.rint(edms * METRE), plan) / METRE
-        error = np.sqrt(np.mean((distances - exact) ** 2))
+        outputs = run(network, np.rint(inputs * METRE), plan)[:, plan.measured] / METRE
+        error = np.sqrt(np.mean((outputs - exact) ** 2))
         percent = 100 * error / np.sqrt(np.mean(exact**2))
         errors[form] = {"mm": round(float(1000 * error), 3), "percent": round(float(percent), 3)}
     return calibration | {"rms": errors}

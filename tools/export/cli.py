@@ -1,18 +1,18 @@
 """Turns trained weights into a C header for gen/: one model, constant data in flash.
 
-    export_weights.py gen/fconn.npz
-    export_weights.py gen/fconn.npz --quantise w16
+    export_weights.py gen/distances.npz
+    export_weights.py gen/direct.npz --quantise w16
     export_weights.py gen/fconv.npz --quantise w8
     export_weights.py theirs.onnx --manifest theirs.json --name theirs --out gen/theirs_f32.h
 
-Reads every format of tools/export/readers.py, and FConv's .npz (tools/model/fconv_weights.py).
-What a model needs beside its layers comes from the manifest, the JSON file beside the weights;
-without `fusion` in it, poses are not moved to the image.  The same layers and settings give the
+Reads FConn in every format of tools/export/readers.py, and .npz of the other networks.  What a
+model needs beside its layers comes from the manifest, the JSON file beside the weights; without
+`fusion` in it, poses are not moved to the image.  The same layers and settings give the
 same header, whatever file they came from.
 
 `--quantise` needs to know what the hidden layers reach: `--calibrate MOTION` measures it once, on
-views of the training people (an .npz or a folder of motion capture), and notes it in the manifest.
-It also notes how far the quantised networks then are from the float one.
+views of the training people (.npz or folders of motion capture, as train.py got them), and notes it
+in the manifest.  It also notes how far the quantised networks then are from the float one.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from data.paths import GEN
-from export.calibrate import calibrate, training_edms
+from export.calibrate import calibrate, training_inputs
 from export.header import replace_file, write_header
 from export.kinds import Kind, read_network
 from export.layers import ExportError, Layer, one_line
@@ -32,14 +32,16 @@ from export.settings import read_settings
 from model.manifest import manifest_text
 
 
-def record_calibration(kind: Kind, layers: Sequence[Layer], manifest: Path, motion: Path) -> str:
+def record_calibration(
+    kind: Kind, layers: Sequence[Layer], manifest: Path, motions: Sequence[Path]
+) -> str:
     """Notes in the manifest what quantising needs, and returns a line that says it."""
-    settings = read_settings(manifest)
+    settings = read_settings(manifest, kind.needs)
     try:
-        edms = training_edms(motion, settings.recipe)
+        inputs = training_inputs(kind, motions, settings)
     except (OSError, TypeError, ValueError) as error:
-        raise ExportError(f"{motion}: {one_line(error)}") from error
-    noted = calibrate(layers, edms, kind.plan)
+        raise ExportError(f"{', '.join(map(str, motions))}: {one_line(error)}") from error
+    noted = calibrate(layers, inputs, kind.plan)
     known = json.loads(manifest.read_text("utf-8"))
     replace_file(manifest, manifest_text(known | {"calibration": noted}))
     return f"{manifest}: hidden layers reach {noted['largest']} on {noted['views']} training views"
@@ -51,13 +53,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("weights", type=Path, help=" ".join(READERS))
-    parser.add_argument("--name", help="the model is edml_NAME_f32 (fconn or fconv)")
+    parser.add_argument("--name", help="the model is edml_NAME_f32 (its kind)")
     parser.add_argument("--out", type=Path, help="header to write (gen/NAME_f32.h)")
     parser.add_argument("--manifest", type=Path, help="settings (WEIGHTS with suffix .json)")
     parser.add_argument(
         "--quantise", choices=WEIGHT_TYPES, help="edml_NAME_w16 or _w8: integers of 16 or 8 bits"
     )
-    parser.add_argument("--calibrate", type=Path, metavar="MOTION", help="before that")
+    parser.add_argument("--calibrate", type=Path, nargs="+", metavar="MOTION", help="before that")
     options = parser.parse_args(arguments)
     weights, form = options.weights, options.quantise or "f32"
     manifest = options.manifest or weights.with_suffix(".json")
@@ -66,7 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         name = options.name or kind.model
         if options.calibrate:
             print(record_calibration(kind, layers, manifest, options.calibrate))
-        settings = read_settings(manifest)
+        settings = read_settings(manifest, kind.needs)
         out = options.out or GEN / f"{name}_{form}.h"
         print(write_header(layers, settings, name, weights.name, out, form, kind))
     except ExportError as error:

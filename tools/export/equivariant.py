@@ -1,74 +1,100 @@
-"""The equivariant FConn, as its weights are kept and as lib/network/equivariant.h computes it.
+"""The equivariant networks, as their weights are kept and as lib/network/equivariant.h has them.
 
-An .npz with weight0 [91, units], bias0 [units], weight1 [2 units, ...] ...: in each weight the even
-inputs come first, then the odd ones, as in model/equivariant.py; the last layer has 49 outputs, one
-for both of a mirror pair.
+An .npz with weight0 [inputs, units], bias0 [units], weight1 [2 units, ...] ...: in each weight the
+even inputs come first, then the odd ones (model/layout.py).  The last layer, which has no ReLU,
+gives rows, and for each its mirror row.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+import functools
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from edmlift.joints import PAIR_MIRROR, SELF_MIRRORED
 from export.layers import ExportError, Layer, check_layers
-from export.quantise import ACTIVATION, Activate, Plan, edm_value
-from model.constants import EDM_SHIFT, GROUP, INPUT_ZERO_POINT, PAIR_COUNT, Q12, SOFTENING
+from export.quantise import ACTIVATION, Activate, Plan
+from model.constants import GROUP, INPUT_SHIFT
+from model.layout import KINDS, ROWS, Layout, layout
 
-OUTPUTS = len(PAIR_MIRROR)  # 49, of the last layer
 SPARE = 1  # bits of an activation that are left to sums of two
-LARGEST_EDM = 8 * Q12 - 1  # what edml's Q12 holds of a distance
+LARGEST_INPUT = 1 << 27 - INPUT_SHIFT  # +-8
+
+# ---- Layers ------------------------------------------------------------------------------------
 
 
-def is_equivariant(arrays: Mapping[str, np.ndarray]) -> bool:
-    """Is it this kind of network, and not the paper's FConn with 91 outputs?"""
-    return any(name.startswith("bias") and np.shape(x) == (OUTPUTS,) for name, x in arrays.items())
+def kind_of(arrays: Mapping[str, np.ndarray]) -> str | None:
+    """Which of KINDS arrays are meant to be, by the rows of the last layer or the inputs."""
+    weights = sorted((name for name in arrays if name.startswith("weight")), key=len_and_name)
+    shapes = [np.shape(arrays[name]) for name in weights]
+    for kind in KINDS:
+        known = layout(kind)
+        if shapes and shapes[-1][1:] == (len(known.has_even),):
+            return kind
+        if shapes and shapes[0][:1] == (known.even + known.odd,):
+            return kind
+    return None
 
 
-def even_inputs(k: int, layer: Any) -> int:
-    """How many of the inputs of layer k are even."""
-    return OUTPUTS if k == 0 else layer.weight.shape[0] // 2
+def len_and_name(name: str) -> tuple[int, str]:
+    """Sort key by which weight2 precedes weight10."""
+    return len(name), name
 
 
-def checked(layers: Iterable[tuple[Any, Any]]) -> list[Layer]:
-    """The layers in float32, if the C kernel can run them; else ExportError."""
-    layers = check_layers(layers, units=2, last=OUTPUTS)
-    for k, layer in enumerate(layers[:-1]):
-        if len(layer.bias) % GROUP:
-            raise ExportError(f"layer {k}: {len(layer.bias)} outputs, not a multiple of {GROUP}")
-    last = layers[-1].weight
-    if last[even_inputs(len(layers) - 1, layers[-1]) :, -SELF_MIRRORED:].any():
-        raise ExportError(f"the last {SELF_MIRRORED} outputs, their own mirror, have odd weights")
-    return layers
+def even_inputs(first: int, k: int, layer: Any) -> int:
+    """How many of the inputs of layer k are even; first: of those of the network."""
+    return first if k == 0 else layer.weight.shape[0] // 2
 
 
-def shape(layers: Sequence[Layer]) -> str:
+def checker(known: Layout) -> Callable[[Iterable[tuple[Any, Any]]], list[Layer]]:
+    """A function that returns layers in float32, if the C kernel can run them; else ExportError."""
+
+    def checked(layers: Iterable[tuple[Any, Any]]) -> list[Layer]:
+        layers = check_layers(layers, known.even + known.odd, len(known.has_even), units=2)
+        for k, layer in enumerate(layers[:-1]):
+            if len(layer.bias) % GROUP:
+                raise ExportError(
+                    f"layer {k}: {len(layer.bias)} outputs, not a multiple of {GROUP}"
+                )
+        weight, bias = layers[-1]
+        even = even_inputs(known.even, len(layers) - 1, layers[-1])
+        parts = {
+            "even weight": (weight[:even], known.has_even),
+            "odd weight": (weight[even:], known.has_odd),
+            "bias": (bias[None], known.has_even),
+        }
+        for name, (values, allowed) in parts.items():
+            for row in np.flatnonzero(values.any(0) & ~allowed):
+                raise ExportError(f"output row {row}, its own mirror image, has an {name}")
+        return layers
+
+    return checked
+
+
+def shape(known: Layout, layers: Sequence[Layer]) -> str:
     """The widths as text."""
     widths = [2 * len(layer.bias) for layer in layers[:-1]]
-    text = "-".join(map(str, [PAIR_COUNT, *widths, PAIR_COUNT]))
+    outputs = int(known.has_even.sum() + known.has_odd.sum())
+    text = "-".join(map(str, [known.even + known.odd, *widths, outputs]))
     return f"{text}, equivariant to left and right"
 
 
-def even_and_odd(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Sums and differences of mirror pairs, side by side: [F,2 units]."""
-    return np.concatenate([first + second, first - second], 1)
+# ---- The network, for quantising ---------------------------------------------------------------
 
 
-def forward(layers: Sequence[Any], edms: np.ndarray, activate: Activate) -> list[np.ndarray]:
-    """quantise.Plan.forward."""
-    inputs = even_and_odd(edms[:, PAIR_MIRROR[:, 0]], edms[:, PAIR_MIRROR[:, 1]])
-    inputs = inputs[:, :-SELF_MIRRORED]  # the difference of a pair that is its own mirror is 0
+def forward(
+    first: int, layers: Sequence[Any], inputs: np.ndarray, activate: Activate
+) -> list[np.ndarray]:
+    """quantise.Plan.forward: inputs are even, then odd; the outputs are rows, then mirror rows."""
     values = [inputs]
     for k, layer in enumerate(layers):
-        even, weight = even_inputs(k, layer), layer.weight.astype(float)
-        alike = inputs[:, :even] @ weight[:even] + layer.bias
-        unlike = inputs[:, even:] @ weight[even:]
-        first, second = activate(k, alike + unlike), activate(k, alike - unlike)
-        inputs = even_and_odd(first, second)
-        values.append(inputs)
-    distances = np.empty(edms.shape, first.dtype)
-    distances[:, PAIR_MIRROR[:, 0]], distances[:, PAIR_MIRROR[:, 1]] = first, second
-    return [*values[:-1], distances]
+        x, even = values[-1], even_inputs(first, k, layer)
+        weight = layer.weight.astype(float)
+        alike = x[:, :even] @ weight[:even] + layer.bias
+        unlike = x[:, even:] @ weight[even:]
+        both = activate(k, alike + unlike), activate(k, alike - unlike)
+        last = k == len(layers) - 1
+        values.append(np.concatenate(both if last else (both[0] + both[1], both[0] - both[1]), 1))
+    return values
 
 
 def largest(inputs: np.ndarray) -> float:
@@ -77,36 +103,39 @@ def largest(inputs: np.ndarray) -> float:
     return float((even + np.abs(odd)).max() / 2)
 
 
-def ranges(k: int, layer: Any) -> tuple[np.ndarray, np.ndarray]:
-    """What the inputs of layer k, sums and differences of two, are within: integers."""
-    least, most = 0, ACTIVATION >> SPARE
+def mean(first: int, k: int, inputs: np.ndarray) -> np.ndarray:
+    """Of inputs [F,in] of layer k and of their mirror images, in which the odd ones are minus
+    themselves."""
+    even = first if k == 0 else inputs.shape[1] // 2
+    return inputs.mean(0) * (np.arange(inputs.shape[1]) < even)
+
+
+def ranges(first: int, k: int, layer: Any) -> tuple[np.ndarray, np.ndarray]:
+    """What the inputs of layer k are within, and minus the odd ones: integers."""
+    count = layer.weight.shape[0]
     if k == 0:
-        least, most = -INPUT_ZERO_POINT, LARGEST_INPUT - INPUT_ZERO_POINT
-    odd = np.arange(layer.weight.shape[0]) >= even_inputs(k, layer)
-    return np.where(odd, least - most, 2 * least), np.where(odd, most - least, 2 * most)
+        return np.full(count, -LARGEST_INPUT), np.full(count, LARGEST_INPUT)
+    most = ACTIVATION >> SPARE
+    odd = np.arange(count) >= even_inputs(first, k, layer)
+    return np.where(odd, -most, 0), np.where(odd, most, 2 * most)
 
 
-def centre(k: int, layer: Any) -> np.ndarray:
-    """What is subtracted from the inputs of layer k, integers: from even ones of the first."""
-    even = np.arange(layer.weight.shape[0]) < even_inputs(k, layer)
-    return 2 * INPUT_ZERO_POINT * (even & (k == 0))
+def in_metres(known: Layout) -> np.ndarray:
+    """Which of the rows and the mirror rows are numbers in metres: all but the gates, which come
+    last, and the mirror rows that say the same as the row."""
+    count = len(known.has_even)
+    metres = np.arange(count) < count - ROWS
+    return np.flatnonzero(np.concatenate([metres, metres & known.has_even & known.has_odd]))
 
 
-def soften(edms: np.ndarray) -> np.ndarray:
-    """What the first layer reads of EDMs [F,91]."""
-    return edms**2 / (edms + SOFTENING / Q12)
-
-
-def soften_integers(edms: np.ndarray) -> np.ndarray:
-    """The same of EDMs in Q24, in Q12 and less the zero point: soften() of lib/network."""
-    distance = edm_value(edms)  # Q12
-    sums = distance + SOFTENING
-    return (distance**2 + sums // 2) // sums - INPUT_ZERO_POINT
-
-
-LARGEST_INPUT = int(soften_integers(np.array([LARGEST_EDM << EDM_SHIFT]))[0]) + INPUT_ZERO_POINT
-
-
-PLAN = Plan(
-    forward, soften, soften_integers, largest=largest, ranges=ranges, centre=centre, spare=SPARE
-)
+def plan_of(known: Layout) -> Plan:
+    """What quantising must know of a network."""
+    return Plan(
+        functools.partial(forward, known.even),
+        largest=largest,
+        mean=functools.partial(mean, known.even),
+        ranges=functools.partial(ranges, known.even),
+        spare=SPARE,
+        signed=True,
+        measured=in_metres(known),
+    )

@@ -25,15 +25,12 @@ def quantised(
 ) -> tuple[list[quantise.Dense], dict[str, str]]:
     """The network in integers, and what the header says of it: title -> text."""
     if form not in kind.forms:
-        raise ExportError(f"an {kind.name} is quantised as {', '.join(kind.forms[1:])} only")
+        raise ExportError(f"an {kind.model} is quantised as {', '.join(kind.forms[1:])} only")
     calibration = settings.calibration
     if not calibration:
         raise ExportError("manifest: no calibration; run once with --calibrate TRAIN.npz")
     if calibration.get("weights") != digest(layers):
         raise ExportError("manifest: the calibration is of other weights; run with --calibrate")
-    if settings.max_aspect > quantise.FIXED_POINT_ASPECT:
-        limit = quantise.FIXED_POINT_ASPECT
-        raise ExportError(f"manifest: max_aspect must be up to {limit} to quantise")
     try:
         network = quantise.quantise(layers, calibration, form, kind.plan)
         return network, quantised_lines(network, calibration, form, kind.plan)
@@ -54,7 +51,7 @@ def quantised_lines(
         "quantiser": f"{form}: integers, a scale a row",
         "bits": f"of the rows' weights, layer by layer: {bits}",
         "accumulator": f"proven within 32 bits, {quantise.spare_bits(network, plan):.1f} to spare",
-        "RMS error": f"{rms['mm']:g} mm, {rms['percent']:g} %: its distances against float's, "
+        "RMS error": f"{rms['mm']:g} mm, {rms['percent']:g} %: its outputs against float's, "
         f"{calibration['views']} training views",
     }
 
@@ -131,7 +128,7 @@ def comment_text(
     recipe = settings.recipe
     errors = ", ".join(f"{column} {error:g}" for column, error in settings.errors(form).items())
     lines = {
-        "layers": f"{kind.shape(layers)}, relu after each",
+        "layers": f"{kind.shape(layers)}, relu after each{' but the last' * kind.plan.signed}",
         "weights": f"sha256 {digest(layers)}",
         "parameters": f"{parameter_count(layers)}, {kind.multiply_adds(layers)} multiply-adds",
         **quantiser,
@@ -215,8 +212,8 @@ def model_text(
     kernel = f"edml__{kind.name}_{form}"
     of_float = form == "f32"
     mirror = ", ".join(map(number_text, settings.mirror))
-    weight, misfit, distance = (settings.fusion[name] for name in NO_FUSION)
-    fusion = ", ".join(map(number_text, (weight * misfit**2, misfit**2, 1 / distance)))
+    share, misfit, distance = (settings.fusion[name] for name in NO_FUSION)
+    fusion = ", ".join(map(number_text, (share, misfit**2, 1 / distance)))
     return f"""\
 EDML_KERNEL({kind.name}, {form});
 extern const edml_model edml_{model};
@@ -228,19 +225,27 @@ const edml_model edml_{model} = {{
     edml__{kind.name}_checksum_{form},
     {model}_layers,
     {count}, /* layers */
-    EDML_READS_DISTANCES,
-    EDML_GIVES_DISTANCES,
+    {flags_text("EDML_READS_", kind.reads)},
+    {flags_text("EDML_GIVES_", kind.gives)},
+    {kind.inputs}, /* inputs */
+    {kind.even_inputs}, /* even ones */
+    {kind.outputs}, /* outputs */
     {settings.fewest_joints}, /* fewest joints */
     sizeof({kind.work}),
     {"0" if of_float else f"sizeof({kind.work}_q)"},
-    {number_text(settings.max_aspect)}, /* max_aspect: {settings.max_aspect:g} */
     {MISSING[settings.missing]},
     EDML_STRESS_{settings.objective.upper()},
     {settings.refine_steps}, /* refinement steps */
     {{{mirror}}}, /* mirror */
-    {{{fusion}}}, /* fusion: weight {weight:g}, misfit {misfit:g} m, distance {distance:g} m */
+    {{{fusion}}}, /* fusion: share {share:g}, misfit {misfit:g} m, distance {distance:g} m */
+    {number_text(settings.scaled_share)}, /* scaled share: {settings.scaled_share:g} */
 }};
 """
+
+
+def flags_text(prefix: str, names: Sequence[str]) -> str:
+    """Flags of C, combined."""
+    return " | ".join(prefix + name for name in names)
 
 
 def number_text(value: float) -> str:

@@ -14,7 +14,7 @@ class ExportError(Exception):
 
 
 class Layer(NamedTuple):
-    """y = relu(x @ weight + bias)."""
+    """y = relu(x @ weight + bias); the kind of network may have no ReLU behind the last one."""
 
     weight: np.ndarray  # float32 [in, out]
     bias: np.ndarray  # float32 [out]
@@ -26,11 +26,15 @@ def one_line(error: Exception) -> str:
 
 
 def check_layers(
-    layers: Iterable[tuple[Any, Any]], units: int = 1, last: int = PAIR_COUNT
+    layers: Iterable[tuple[Any, Any]],
+    first: int = PAIR_COUNT,
+    last: int = PAIR_COUNT,
+    units: int = 1,
 ) -> list[Layer]:
     """The layers in float32, if the C kernels can run them; else ExportError.
 
-    units  how many an output is: 2 in an equivariant network; last: outputs of the last layer
+    first, last  inputs of the first layer, outputs of the last one
+    units        how many an output of the others is: 2 in an equivariant network
     """
     layers = [
         Layer(to_float32(weight, f"layer {k}: weight", 2), to_float32(bias, f"layer {k}: bias", 1))
@@ -38,11 +42,11 @@ def check_layers(
     ]
     if not layers:
         raise ExportError("holds no layers")
-    width = PAIR_COUNT
+    width = first
     for k, (weight, bias) in enumerate(layers):
         inputs, outputs = weight.shape
         if inputs != width:
-            before = "the pose has" if k == 0 else f"layer {k - 1} gives"
+            before = "the image gives" if k == 0 else f"layer {k - 1} gives"
             raise ExportError(f"layer {k} takes {inputs} values, {before} {width}")
         if len(bias) != outputs:
             raise ExportError(f"layer {k} has {outputs} outputs, but {len(bias)} biases")

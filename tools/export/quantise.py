@@ -13,13 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from export.layers import ExportError, Layer
-from model.constants import ACTIVATION, EDM_SHIFT
-
-FIXED_POINT_ASPECT = 3.75  # an EDM reaches 2 sqrt(1 + aspect^2), which Q12 holds below 8
+from model.constants import ACTIVATION, INPUT_SHIFT
 
 WEIGHT_TYPES = {"w16": np.int16, "w8": np.int8}
 WORD = 1 << 31
-METRE = 1 << 24  # of the distances, Q24
+METRE = 1 << 24  # of what the network gives, Q24
 FARTHEST = 3 * METRE  # what the stages behind the network are made for
 HEADROOM = 1.25  # of the activations over the largest one in calibration
 VANISHING = 1e-6  # weights below it need not tell the scale of their row
@@ -27,7 +25,10 @@ BISECTIONS = 50
 
 
 class Dense(NamedTuple):
-    """y = clamp(((x @ weight + bias) multiplier + 2^(shift - 1)) >> shift, 0, clamp)."""
+    """y = clamp(((x @ weight + bias) multiplier + 2^(shift - 1)) >> shift, 0, clamp).
+
+    Without a ReLU y has the sign of the sum, and its size is as if that were positive.
+    """
 
     weight: np.ndarray  # int16 or int8 [in, out]
     bias: np.ndarray  # int32 [out]
@@ -44,37 +45,36 @@ def from_zero(k: int, layer: Any) -> tuple[np.ndarray, np.ndarray]:
     return np.zeros(len(layer.weight), int), np.full(len(layer.weight), ACTIVATION)
 
 
-def from_nowhere(k: int, layer: Any) -> np.ndarray:
-    """Plan.centre of inputs that are counted from zero."""
-    return np.zeros(len(layer.weight), int)
+def input_value(number: np.ndarray) -> np.ndarray:
+    """Numbers within +-8, Q24, as the first layer reads them: Q12 to nearest, below 8."""
+    rounded = (number.astype(np.int64) + (1 << INPUT_SHIFT - 1)) >> INPUT_SHIFT
+    return np.minimum(rounded, (1 << 27 - INPUT_SHIFT) - 1)
 
 
-def edm_value(edm: np.ndarray, shift: int = EDM_SHIFT) -> np.ndarray:
-    """Distances of an EDM in Q24 shifted to the right, integers: to nearest, below 8."""
-    rounded = (edm.astype(np.int64) + (1 << shift >> 1)) >> shift
-    return np.minimum(rounded, (1 << 27 - shift) - 1)
+def mean_of_channels(k: int, inputs: np.ndarray) -> np.ndarray:
+    """Plan.mean of inputs [...,channels]."""
+    return inputs.reshape(-1, inputs.shape[-1]).mean(0)
 
 
 class Plan(NamedTuple):
     """What quantising must know of a kind of network beyond its layers."""
 
-    # Layers, what the first one reads of EDMs [F,91], and what makes the sums of layer k its output
-    # -> what goes into each layer, and the distances [F,91].  A layer may have several inputs a
-    # channel, its taps.
+    # Layers, what the network reads [F,in], and what makes the sums of layer k its output -> what
+    # goes into each layer, and the outputs [F,out].  A layer may have several inputs a channel, its
+    # taps.
     forward: Callable[[Sequence[Any], np.ndarray, Activate], list[np.ndarray]]
-    # What the first layer reads of EDMs [F,91]: of distances, and of integers in Q24.
-    first: Callable[[np.ndarray], np.ndarray] = lambda edms: edms
-    first_whole: Callable[[np.ndarray], np.ndarray] = edm_value
     # The share of the outputs of layer k in which each tap counts, [taps].
     tap_shares: Callable[[int], np.ndarray] = lambda k: np.ones(1)
     # The largest activation among the inputs of a layer behind the first.
     largest: Callable[[np.ndarray], float] = lambda inputs: float(inputs.max())
-    # Least and largest value of each input [in] of layer k, integers; and what was subtracted from
-    # it, for which the bias makes up.
+    # The mean of each input of layer k, or of each channel.
+    mean: Callable[[int, np.ndarray], np.ndarray] = mean_of_channels
+    # Least and largest value of each input [in] of layer k, integers.
     ranges: Callable[[int, Any], tuple[np.ndarray, np.ndarray]] = from_zero
-    centre: Callable[[int, Any], np.ndarray] = from_nowhere
     spare: int = 0  # bits of an activation that are left to sums of them
-    sums: int = 1  # of the last layer; a distance is their mean
+    sums: int = 1  # of the last layer; an output is their mean
+    signed: bool = False  # the last layer has no ReLU
+    measured: Any = slice(None)  # outputs, in metres, by which errors are measured
     views: int | None = None  # to calibrate on; all
 
     @property
@@ -83,9 +83,11 @@ class Plan(NamedTuple):
         return ACTIVATION >> self.spare
 
 
-def dense_forward(layers: Sequence[Any], edms: np.ndarray, activate: Activate) -> list[np.ndarray]:
+def dense_forward(
+    layers: Sequence[Any], inputs: np.ndarray, activate: Activate
+) -> list[np.ndarray]:
     """Plan.forward of fully connected layers."""
-    values = [edms]
+    values = [inputs]
     for k, layer in enumerate(layers):
         values.append(activate(k, values[-1] @ layer.weight.astype(float) + layer.bias))
     return values
@@ -105,15 +107,14 @@ def quantise(
     if not all(np.isfinite(values).all() for values in mean):
         raise ExportError("calibration: a mean is not finite")
     hidden = [plan.activation / (HEADROOM * x) for x in largest]
-    scales = [METRE >> EDM_SHIFT, *hidden, METRE / plan.sums]
+    scales = [METRE >> INPUT_SHIFT, *hidden, METRE / plan.sums]
     dense = []
     for k, (weight, bias) in enumerate(equalised(layers)):
         inner = k < len(layers) - 1
         inputs = (plan.tap_shares(k)[:, None] * mean[k]).reshape(-1)
         word = WORD if inner else WORD // plan.sums
         reach = input_ranges(plan, k, layers[k])
-        centre = plan.centre(k, layers[k]) / scales[k]
-        rows = Rows(weight, bias + centre @ weight, inputs - centre, scales[k], reach, word)
+        rows = Rows(weight, bias, inputs, scales[k], reach, word)
         clamp = plan.activation if inner else FARTHEST
         dense.append(quantise_layer(rows, scales[k + 1], WEIGHT_TYPES[form], clamp))
         prove(dense[k], k, reach, word)
@@ -151,7 +152,7 @@ class Rows(NamedTuple):
     mean: np.ndarray  # [in], of the input
     x_scale: float
     reach: np.ndarray  # [2,in], least and largest of the input
-    word: int = WORD  # the sums stay below
+    word: int = WORD  # the sums stay below, and above its negative
 
     def rounded(self, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Integers, still in double: weights times their row's scale [out], and biases."""
@@ -179,7 +180,7 @@ def largest_scales(rows: Rows, most: int) -> np.ndarray:
     high = scale = most / np.maximum(np.abs(rows.weight).max(0), VANISHING)
     for _ in range(BISECTIONS):
         lowest, highest = sum_bounds(*rows.rounded(scale), rows.reach)
-        fits = (lowest >= -rows.word) & (highest < rows.word)
+        fits = (lowest > -rows.word) & (highest < rows.word)
         low, high = np.where(fits, scale, low), np.where(fits, high, scale)
         scale = (low + high) / 2
     return low
@@ -201,7 +202,7 @@ def prove(dense: Dense, number: int, reach: np.ndarray, word: int = WORD) -> Non
     """Raises ExportError if any input could overflow the C kernel (checked on the integers that the
     header will hold)."""
     lowest, highest = sum_bounds(dense.weight.astype(np.int64), dense.bias.astype(np.int64), reach)
-    for row in np.flatnonzero((lowest < -word) | (highest >= word)):
+    for row in np.flatnonzero((lowest <= -word) | (highest >= word)):
         raise ExportError(
             f"layer {number}: sums of row {row} reach {lowest[row]} to {highest[row]}, "
             f"beyond {word.bit_length()} bits"
@@ -210,16 +211,18 @@ def prove(dense: Dense, number: int, reach: np.ndarray, word: int = WORD) -> Non
         raise ExportError(f"layer {number}: multiplier or shift out of range")
 
 
-def run(network: Sequence[Dense], edm: np.ndarray, plan: Plan = DENSE) -> np.ndarray:
-    """Distances [F,91] that the C library computes from EDMs [F,91]: both integers, Q24."""
-    x = plan.first_whole(edm)
+def run(network: Sequence[Dense], inputs: np.ndarray, plan: Plan = DENSE) -> np.ndarray:
+    """Outputs [F,out] that the C kernel computes from what the network reads [F,in]: both integers,
+    Q24."""
 
     def activate(k: int, sums: np.ndarray) -> np.ndarray:
         dense = network[k]  # sums are exact in double
-        y = (sums.astype(np.int64) * dense.multiplier + (1 << dense.shift - 1)) >> dense.shift
-        return np.clip(y, 0, dense.clamp)
+        sign = np.sign(sums).astype(np.int64) if plan.signed and k == len(network) - 1 else 1
+        sums = np.maximum(sums.astype(np.int64) * sign, 0)
+        y = (sums * dense.multiplier + (1 << dense.shift - 1)) >> dense.shift
+        return sign * np.minimum(y, dense.clamp)
 
-    return plan.forward(network, x, activate)[-1]
+    return plan.forward(network, input_value(inputs), activate)[-1]
 
 
 # ---- What the header says ----------------------------------------------------------------------

@@ -11,7 +11,7 @@ import numpy as np
 from edmlift.joints import JOINTS
 from export.layers import ExportError, one_line
 from model.constants import MAX_IMPUTED, OBJECTIVES
-from model.manifest import NO_FUSION
+from model.manifest import NEAREST, NO_FUSION
 
 # What a model holds of joints that are not seen: how to impute them, or nothing: their pairs are 0.
 MISSING = {"zero": "NULL", "imputed": "&edml_default_imputation"}
@@ -20,7 +20,7 @@ FEWEST_TO_ORIENT = 4  # seen joints that it takes to rotate a pose to the camera
 # Formats of weights, and where the manifest has their errors.
 METRICS = {"f32": "metrics", "w16": "metrics_w16", "w8": "metrics_w8"}
 
-FUSION_RANGES = "weight 0 to 1, misfit 0.01 to 1 and distance 3 to 1000"
+FUSION_RANGES = f"share 0 to 1, misfit 0.01 to 1 and distance {NEAREST:g} to 1000"
 
 
 def is_fusion(value: object) -> bool:
@@ -29,8 +29,8 @@ def is_fusion(value: object) -> bool:
         return False
     if not all(map(is_real, value.values())):
         return False
-    weight, misfit, distance = (value[name] for name in NO_FUSION)
-    return 0 <= weight <= 1 and 0.01 <= misfit <= 1 and 3 <= distance <= 1000
+    share, misfit, distance = (value[name] for name in NO_FUSION)
+    return 0 <= share <= 1 and 0.01 <= misfit <= 1 and NEAREST <= distance <= 1000
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,12 +38,13 @@ class ModelSettings:
     """What belongs to a model beside its layers.  Raises ExportError where a value cannot be."""
 
     fewest_joints: int  # seen joints below which edml_lift refuses
-    max_aspect: float  # largest width over height in training
-    objective: str  # of the refinement, one of OBJECTIVES
-    refine_steps: int
-    mirror: Sequence[float]  # weights of arms, forearms, head, thighs, shins
+    objective: str = "none"  # of the refinement, one of OBJECTIVES
+    refine_steps: int = 0
+    # Weights of arms, forearms, head, thighs, shins; of networks that give distances alone.
+    mirror: Sequence[float] = (0, 0, 0, 0, 0)
     missing: str = "zero"  # what joints that are not seen are, one of MISSING
     fusion: Mapping[str, float] = dataclasses.field(default_factory=lambda: dict(NO_FUSION))
+    scaled_share: float = 0.0  # of the points of the MDS in the mean with the network's
     recipe: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # at least name and seed
     data: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     metrics: Mapping[str, float] = dataclasses.field(default_factory=dict)  # column -> mm
@@ -54,8 +55,6 @@ class ModelSettings:
     def __post_init__(self) -> None:
         joints = is_integer(self.fewest_joints, FEWEST_TO_ORIENT, len(JOINTS))
         check_setting("fewest_joints", joints, f"{FEWEST_TO_ORIENT} to {len(JOINTS)}")
-        aspect = is_number(self.max_aspect) and np.float32(self.max_aspect) > 0
-        check_setting("max_aspect", aspect, "over 0 and below 128")
         check_setting("objective", self.objective in OBJECTIVES, f"one of {', '.join(OBJECTIVES)}")
         check_setting("refine_steps", is_integer(self.refine_steps, 0, 255), "0 to 255")
         mirror = isinstance(self.mirror, list | tuple) and len(self.mirror) == 5
@@ -65,6 +64,8 @@ class ModelSettings:
         fewest = FEWEST_TO_ORIENT if self.missing == "zero" else len(JOINTS) - MAX_IMPUTED
         check_setting("fewest_joints", self.fewest_joints >= fewest, f"{fewest} or more")
         check_setting("fusion", is_fusion(self.fusion), FUSION_RANGES)
+        share = is_real(self.scaled_share) and 0 <= self.scaled_share <= 1
+        check_setting("scaled_share", share, "0 to 1")
         for name in ("recipe", "data", "calibration", *METRICS.values()):
             check_setting(name, isinstance(getattr(self, name), Mapping), "an object")
         for name in METRICS.values():
@@ -74,13 +75,6 @@ class ModelSettings:
     def errors(self, form: str) -> Mapping[str, float]:
         """Error of the whole lift on the test people, column -> mm; empty if not measured."""
         return getattr(self, METRICS[form])
-
-
-REQUIRED = tuple(
-    field.name
-    for field in dataclasses.fields(ModelSettings)
-    if field.default is field.default_factory is dataclasses.MISSING
-)
 
 
 def check_setting(name: str, good: bool, want: str) -> None:
@@ -105,20 +99,21 @@ def is_number(value: object) -> bool:
     return is_real(value) and abs(value) < 128
 
 
-def read_settings(path: Path) -> ModelSettings:
-    """The settings in a manifest; keys that ModelSettings does not know are left to others."""
+def read_settings(path: Path, needs: Sequence[str]) -> ModelSettings:
+    """The settings in a manifest, which must have those that the kind of network needs; keys that
+    ModelSettings does not know are left to others."""
     try:
         manifest = json.loads(path.read_text("utf-8"))
     except FileNotFoundError:
-        keys = ", ".join(REQUIRED)
         raise ExportError(
-            f"no manifest {path.name}: write one with {keys}, or name another by --manifest"
+            f"no manifest {path.name}: write one with {', '.join(needs)}, "
+            "or name another by --manifest"
         ) from None
     except (OSError, ValueError) as error:
         raise ExportError(f"manifest {path.name}: {one_line(error)}") from error
     if not isinstance(manifest, dict):
         raise ExportError(f"manifest {path.name} is not a JSON object")
-    if missing := [name for name in REQUIRED if name not in manifest]:
+    if missing := [name for name in needs if name not in manifest]:
         raise ExportError(f"manifest {path.name} lacks {', '.join(missing)}")
     known = {field.name for field in dataclasses.fields(ModelSettings)}
     return ModelSettings(**{name: value for name, value in manifest.items() if name in known})
