@@ -9,7 +9,7 @@
  * training    recipe mds, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 6
+#if EDML_WEIGHTS_FORMAT != 7
 #error "regenerate with tools/export_weights.py"
 #endif
 
@@ -75821,13 +75821,16 @@ const edml_model edml_fconv_f32 = {
     5, /* layers */
     EDML_READS_DISTANCES,
     EDML_GIVES_DISTANCES,
+    91, /* inputs */
+    0, /* even ones */
+    91, /* outputs */
     10, /* fewest joints */
     sizeof(edml_fconv_work),
     0,
-    {0x1.cp1F, 58720256}, /* max_aspect: 3.5 */
     &edml_default_imputation,
     EDML_STRESS_NONE,
     0, /* refinement steps */
     {{0x1.4ea4a8p-2F, 5482794}, {0x1.85e354p-1F, 12775850}, {0x1.084b5ep-1F, 8660399}, {0x1.c91688p1F, 59911438}, {-0x1.884ea4p1F, -51420489}}, /* mirror */
-    {{0x1.9d80ap-9F, 52928}, {0x1.c6195p-9F, 58125}, {0x1.cbcfb8p-3F, 3766775}}, /* fusion: weight 0.9106, misfit 0.05886 m, distance 4.454 m */
+    {{0x1.d23a2ap-1F, 15277333}, {0x1.c6195p-9F, 58125}, {0x1.cbcfb8p-3F, 3766775}}, /* fusion: share 0.9106, misfit 0.05886 m, distance 4.454 m */
+    {0, 0}, /* scaled share: 0 */
 };
