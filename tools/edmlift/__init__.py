@@ -12,6 +12,7 @@ away; the origin is midway between the hips; left and right are the subject's.
 """
 
 from edmlift._version import __version__
+from edmlift.angles import flexion, heading, lean
 from edmlift.body import fit_body
 from edmlift.drawing import draw
 from edmlift.files import FileError, read_keypoints, read_poses, read_truth, write_poses
@@ -39,8 +40,11 @@ __all__ = [
     "adapt",
     "draw",
     "fit_body",
+    "flexion",
+    "heading",
     "joint_errors",
     "joint_limits",
+    "lean",
     "lift",
     "models",
     "mpjpe",

@@ -25,8 +25,7 @@ def _pose(number: DTypeLike) -> np.dtype[np.void]:
     return np.dtype(
         [
             ("joint", number, (JOINT_COUNT, 3)),
-            ("mirror_margin", number),
-            ("residual", number),
+            ("misfit", number),
             ("seen", np.uint16),
         ],
         align=True,
@@ -35,6 +34,21 @@ def _pose(number: DTypeLike) -> np.dtype[np.void]:
 
 POSE = _pose(np.float32)  # edml_pose
 POSE_Q = _pose(np.int32)  # edml_pose_q: Q16
+IMAGE = np.dtype(  # edml_image: the image in the body's frame
+    [
+        ("at", np.float32, (JOINT_COUNT, 2)),
+        ("down", np.float32, 2),
+        ("seen", np.uint16),
+    ],
+    align=True,
+)
+PREDICTION = np.dtype(  # edml_prediction
+    [
+        ("distance", np.float32, PAIR_COUNT),
+        ("share", np.float32, JOINT_COUNT),
+        ("x", np.float32, (JOINT_COUNT, 3)),
+    ]
+)
 KEYPOINT_Q = np.dtype([("at", np.int32, 2), ("c", np.int16)], align=True)  # Q16, Q15
 PLACEMENT = np.dtype(
     [
@@ -121,31 +135,33 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "edml_model_check": (_STATUS, _POINTER),
     "edml_model_work_bytes*": (c_size_t, _POINTER),
     "edml_adapt*": (_VOID, _POINTER, _POINTER, _POINTER),
-    "edml_lift*": (_STATUS, _POINTER, _POINTER, _POINTER, *_WORK),
+    "edml_lift*": (_STATUS, *[_POINTER] * 4, *_WORK),
+    "edml_lift_with_camera*": (_STATUS, *[_POINTER] * 5, *_WORK),
     "edml_place": (_STATUS, _POINTER, _POINTER, _POINTER, _POINTER, *_WORK),
     "edml_place_sweep": (_STATUS, *[_POINTER] * 4, c_float, c_float, *_WORK),
     "edml_track_start": (_VOID, _POINTER),
-    "edml_track_lift": (_STATUS, _POINTER, _POINTER, _POINTER, c_uint32, _POINTER, *_WORK),
+    "edml_track_lift": (_STATUS, *[_POINTER] * 3, c_uint32, *[_POINTER] * 2, *_WORK),
     "edml_track_swap_sides": (_VOID, _POINTER, _POINTER),
     "edml_fit_body*": (_STATUS, _POINTER, _POINTER),
-    "edml_quality*": (_STATUS, _POINTER, _POINTER, _POINTER),
+    "edml_quality*": (_STATUS, _POINTER, _POINTER),
     "edml_uncertainty": (_STATUS, _POINTER, c_uint16),
     "edml_joint_limits*": (_STATUS, _POINTER, _POINTER),
     "edml_reflect_by_joint_limits*": (_STATUS, _POINTER, _POINTER),
     "edml_stand": (_STATUS, _POINTER, _POINTER, Point),
     "edml_stand_q": (_STATUS, _POINTER, _POINTER, PointQ),
-    "edml_edm": (_STATUS, _POINTER, _POINTER, c_int, c_float, _POINTER),
-    "edml_edm_q": (_STATUS, _POINTER, _POINTER, c_int, c_int32, _POINTER),
-    "edml_predict*": (_STATUS, _POINTER, _POINTER, _POINTER, *_WORK),
+    "edml_body_frame*": (_STATUS, _POINTER, _POINTER, c_int, _POINTER),
+    "edml_edm*": (_VOID, _POINTER, _POINTER),
+    "edml_predict*": (_STATUS, *[_POINTER] * 4, *_WORK),
     "edml_jacobi*": (_VOID, _POINTER, _POINTER),
     "edml_mds*": (_VOID, _POINTER, _POINTER, _POINTER),
     "edml_refine*": (c_int, _POINTER, _POINTER, c_int, c_int, _POINTER),
     "edml_stress": (c_float, _POINTER, _POINTER, c_int),
     "edml_stress_q": (c_int32, _POINTER, _POINTER, c_int),
-    "edml_mirror": (c_float, _POINTER, _POINTER),
-    "edml_mirror_q": (c_int32, _POINTER, _POINTER),
-    "edml_orient*": (_STATUS, _POINTER, _POINTER, c_uint16),
-    "edml_fuse*": (_VOID, _POINTER, _POINTER, c_uint16, _POINTER),
+    "edml_mirror*": (_VOID, _POINTER, _POINTER),
+    "edml_align*": (_VOID, _POINTER, _POINTER, _POINTER),
+    "edml_orient*": (_STATUS, _POINTER, _POINTER),
+    "edml_fuse": (c_float, *[_POINTER] * 4),
+    "edml_fuse_q": (c_int32, *[_POINTER] * 4),
 }
 
 

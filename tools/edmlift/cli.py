@@ -78,10 +78,10 @@ def _add_lift(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         help="lift a file of 2D poses to 3D",
         description="Lifts a file of 2D poses to 3D, a line of input to a line of output.",
         epilog=_DOCUMENTATION
-        + "\nposes: status,x0,y0,z0,...,x13,y13,z13,mirror_margin,residual in metres; x right, y\n"
-        "down, z away from the camera, origin between the hips.  A pose that cannot be lifted has\n"
-        "another status than ok and empty fields; a line that is not a pose has bad_line, and the\n"
-        "exit status is 1.",
+        + "\nposes: status,x0,y0,z0,...,x13,y13,z13,misfit in metres; x right, y down, z away\n"
+        "from the camera, origin between the hips.  A pose that cannot be lifted has another\n"
+        "status than ok and empty fields; a line that is not a pose has bad_line, and the exit\n"
+        "status is 1.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("keypoints", help="file of 2D poses; - is the standard input")
@@ -105,8 +105,13 @@ def _add_lift_options(parser: argparse.ArgumentParser) -> None:
         help="keypoints with confidence <= C are not seen (default: 0)",
     )  # fmt: skip
     parser.add_argument(
-        "--image", type=_size, metavar="W,H", help="size of the image in pixels, for blazepose33"
-    )
+        "--image", type=_size, metavar="W,H",
+        help="size of the image in pixels: keypoints outside are not seen; blazepose33 needs it",
+    )  # fmt: skip
+    parser.add_argument(
+        "--up", type=_direction, metavar="X,Y,Z",
+        help="upwards in the camera's axes, as 0,-1,0 of a level camera (default: not known)",
+    )  # fmt: skip
 
 
 def _size(text: str) -> tuple[float, float]:
@@ -115,6 +120,14 @@ def _size(text: str) -> tuple[float, float]:
     except ValueError:
         raise argparse.ArgumentTypeError(f"must be W,H in pixels, not {text!r}") from None
     return width, height
+
+
+def _direction(text: str) -> tuple[float, float, float]:
+    try:
+        x, y, z = map(float, text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be X,Y,Z, not {text!r}") from None
+    return x, y, z
 
 
 def _add_draw(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -203,7 +216,7 @@ def _check_lift_options(options: argparse.Namespace) -> None:
     with _options():
         count = JOINT_COUNT if options.format is None else find_format(options.format).keypoints
         lift(
-            np.zeros((0, count, 3)), options.model, format=options.format,
+            np.zeros((0, count, 3)), options.model, options.up, format=options.format,
             threshold=options.threshold, image=options.image, fixed=options.fixed,
         )  # fmt: skip
 
@@ -211,8 +224,8 @@ def _check_lift_options(options: argparse.Namespace) -> None:
 def _lift_lines(lines: Lines, options: argparse.Namespace) -> Poses:
     """Poses of lines; the bad ones have the status of a bad line."""
     poses = lift(
-        lines.keypoints, options.model, format=options.format, threshold=options.threshold,
-        image=options.image, fixed=options.fixed,
+        lines.keypoints, options.model, options.up, format=options.format,
+        threshold=options.threshold, image=options.image, fixed=options.fixed,
     )  # fmt: skip
     bad = np.isin(np.arange(len(lines.numbers)), list(lines.problems))
     return replace(poses, status=np.where(bad, BAD_LINE, poses.status))

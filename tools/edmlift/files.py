@@ -1,9 +1,9 @@
 """Keypoints and poses in files, a line each: the CSV and the JSON lines of lift_stdin.
 
 Keypoints are x,y or x,y,c of each, separated by commas or blanks; or objects with a member
-"keypoints": [[x,y,c],...].  Poses are status,x0,y0,z0,...,x13,y13,z13,mirror_margin,residual; or
-objects with "status", "joints", "mirror_margin" and "residual".  Blank lines and those that start
-with # are skipped.  A name that ends in .jsonl, .ndjson or .json holds JSON lines.
+"keypoints": [[x,y,c],...].  Poses are status,x0,y0,z0,...,x13,y13,z13,misfit; or objects with
+"status", "joints" and "misfit".  Blank lines and those that start with # are skipped.  A name that
+ends in .jsonl, .ndjson or .json holds JSON lines.
 """
 
 import json
@@ -26,8 +26,8 @@ JSON_SUFFIXES = (".jsonl", ".ndjson", ".json")
 BAD_LINE = "bad_line"  # the status of a line that is not a pose
 _NUMBERS = 3 * JOINT_COUNT
 _COLUMNS = ("status", *(f"{axis}{j}" for j in range(JOINT_COUNT) for axis in "xyz"))
-HEADER = ",".join((*_COLUMNS, "mirror_margin", "residual"))
-_ANSWERS = ("status", "joints", "mirror_margin", "residual")
+HEADER = ",".join((*_COLUMNS, "misfit"))
+_ANSWERS = ("status", "joints", "misfit")
 
 
 class FileError(ValueError):
@@ -87,10 +87,10 @@ def read_poses(path: str | Path) -> Poses:
             raise FileError(f"{path}:{line}: {error}") from None
         statuses.append(status)
         numbers.append(pose)
-    values = np.array(numbers, np.float32).reshape(-1, _NUMBERS + 2)
+    values = np.array(numbers, np.float32).reshape(-1, _NUMBERS + 1)
     joints = values[:, :_NUMBERS].reshape(-1, JOINT_COUNT, 3)
     poses = Poses.of(joints, status=np.array(statuses, np.str_))
-    return replace(poses, mirror_margin=values[:, -2], residual=values[:, -1])
+    return replace(poses, misfit=values[:, -1])
 
 
 def read_truth(path: str | Path) -> NDArray[np.float32]:
@@ -234,9 +234,9 @@ def _float(value: float) -> float:
 
 def _pose_fields(text: str) -> tuple[str, list[float]]:
     status, *fields = text.split(",")
-    wanted = _NUMBERS + 2
+    wanted = _NUMBERS + 1
     if len(fields) < wanted or not re.fullmatch(r"[a-z_]+", status):
-        raise ValueError("not a pose as lift_stdin writes it: status and 44 numbers")
+        raise ValueError("not a pose as lift_stdin writes it: status and 43 numbers")
     if status != "ok":
         return status, [np.nan] * wanted
     return status, _numbers(",".join(fields[:wanted]))
@@ -248,12 +248,12 @@ def _pose_object(text: str) -> tuple[str, list[float]]:
     if not isinstance(status, str):
         raise ValueError('has no member "status"')
     if status != "ok":
-        return status, [np.nan] * (_NUMBERS + 2)
+        return status, [np.nan] * (_NUMBERS + 1)
     try:
         joints = np.array(found["joints"], float).reshape(_NUMBERS)
-        return status, [*joints, float(found["mirror_margin"]), float(found["residual"])]
+        return status, [*joints, float(found["misfit"])]
     except (KeyError, TypeError, ValueError):
-        raise ValueError("joints, mirror_margin or residual are missing or malformed") from None
+        raise ValueError("joints or misfit are missing or malformed") from None
 
 
 # ---- Writing -----------------------------------------------------------------------------------
@@ -280,9 +280,9 @@ def csv_lines(poses: Poses, header: bool = False) -> Iterator[str]:
     poses, _ = batched(poses)
     for i, status in enumerate(poses.status):
         if status != "ok":
-            yield status + "," * (_NUMBERS + 2)
+            yield status + "," * (_NUMBERS + 1)
             continue
-        values = [*poses.joints[i].ravel(), poses.mirror_margin[i], poses.residual[i]]
+        values = [*poses.joints[i].ravel(), poses.misfit[i]]
         yield ",".join([status, *(f"{value:.6g}" for value in values)])
 
 
@@ -296,8 +296,7 @@ def json_lines(
         members |= dict.fromkeys(_ANSWERS) | {"status": str(status)}
         if status == "ok":
             members["joints"] = [[_six(v) for v in joint] for joint in poses.joints[i]]
-            members["mirror_margin"] = _six(poses.mirror_margin[i])
-            members["residual"] = _six(poses.residual[i])
+            members["misfit"] = _six(poses.misfit[i])
         text = json.dumps(members, separators=(",", ":"), ensure_ascii=False)
         # Half of a surrogate pair is JSON when escaped, but has no UTF-8.
         yield re.sub("[\ud800-\udfff]", lambda half: f"\\u{ord(half[0]):04x}", text)

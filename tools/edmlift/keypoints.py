@@ -99,10 +99,9 @@ def _with_confidence(array: NDArray[np.float32], threshold: float) -> NDArray[np
 def _in_pixels(
     keypoints: NDArray[np.float32], layout: Format | None, image: tuple[float, float] | None
 ) -> NDArray[np.float32]:
+    """Keypoints in pixels; those outside the image, where it is known, are not seen."""
     if layout is None or not layout.normalised:
-        if image is not None:
-            raise ValueError("image= is for formats normalised by the image's size, blazepose33")
-        return keypoints
+        return keypoints if image is None else _inside(keypoints, image_size(image))
     name = layout.name.decode()
     if image is None:
         raise ValueError(
@@ -115,7 +114,31 @@ def _in_pixels(
         raise ValueError(
             f"keypoints of format {name!r} are normalised, 0 to 1 within the image, not in pixels"
         )
-    return keypoints * np.array([*size, 1], np.float32)
+    return _inside(keypoints, (1.0, 1.0)) * np.array([*size, 1], np.float32)
+
+
+def _inside(keypoints: NDArray[np.float32], size: tuple[float, float]) -> NDArray[np.float32]:
+    """The same with confidence 0 for what is outside an image of this size: detectors invent limbs
+    there, and are sure of them."""
+    at = keypoints[..., :2]
+    outside = (np.isfinite(at) & ((at < 0) | (at > np.array(size, np.float32)))).any(-1)
+    inside = keypoints.copy()
+    inside[outside & np.isfinite(keypoints[..., 2]), 2] = 0
+    return inside
+
+
+def read_up(up: ArrayLike | None, count: int) -> NDArray[np.float32] | None:
+    """Directions [F,3] of `count` poses from one, or one each; None: not known."""
+    if up is None:
+        return None
+    with np.errstate(over="ignore"):
+        given = np.asarray(up, float).astype(np.float32)  # as C takes it
+    fits = given.shape in ((3,), (count, 3))
+    if not fits or not (np.isfinite(given).all() and given.any(-1).all()):
+        raise ValueError(
+            f"up must be three finite numbers, not all 0, or so many a pose, not {up!r}"
+        )
+    return np.ascontiguousarray(np.broadcast_to(given, (count, 3)))
 
 
 def image_size(image: Any) -> tuple[float, float]:
@@ -124,6 +147,19 @@ def image_size(image: Any) -> tuple[float, float]:
     if size.shape != (2,) or not (np.isfinite(size).all() and (size > 0).all()):
         raise ValueError(f"image must be (width, height) in pixels, both over 0, not {image!r}")
     return float(size[0]), float(size[1])
+
+
+def read_camera(camera: Any) -> NDArray[np.float32]:
+    """fx, fy, cx, cy [4] of those, or of a camera matrix."""
+    numbers = np.asarray(camera, np.float32)
+    if numbers.shape == (3, 3):
+        others = numbers[[0, 1, 2, 2, 2], [1, 0, 0, 1, 2]]
+        if not np.array_equal(others, [0, 0, 0, 0, 1]):
+            raise ValueError("a camera matrix must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
+        numbers = numbers[[0, 1, 0, 1], [0, 1, 2, 2]]
+    if numbers.shape != (4,) or not (np.isfinite(numbers).all() and (numbers[:2] > 0).all()):
+        raise ValueError(f"camera must be fx, fy, cx, cy in pixels, fx, fy > 0, not {camera!r}")
+    return numbers
 
 
 # ---- For the library, unchecked ----------------------------------------------------------------
@@ -163,6 +199,18 @@ def to_q16(keypoints: ArrayLike) -> NDArray[np.void]:
     out["at"] = np.round(np.clip(given[..., :2] * 65536, -(2.0**31), 2.0**31 - 1))
     out["c"] = np.ceil(np.clip(given[..., 2] * 32768, -(2.0**15), 2.0**15 - 1))
     return out
+
+
+def up_q(up: NDArray[np.float32]) -> NDArray[np.int32]:
+    """Directions [F,3] as edml_point_q, whose unit does not matter: the largest component is 1."""
+    largest = np.abs(up).max(-1, keepdims=True).astype(float)
+    return np.round(up / largest * 65536).astype(np.int32)
+
+
+def camera_q(camera: NDArray[np.float32]) -> NDArray[np.int32]:
+    """fx, fy, cx, cy [4] as edml_camera_q; what is out of range, the nearest that is."""
+    inside = np.clip(camera.astype(float) * 65536, -(2.0**31), 2.0**31 - 1)
+    return np.round(inside).astype(np.int32)
 
 
 def seen_bits(seen: NDArray[np.bool_]) -> NDArray[np.uint16]:

@@ -19,7 +19,7 @@ from edmlift._binding import (
 )
 from edmlift.body import fit_joints
 from edmlift.formats import find_format
-from edmlift.keypoints import adapt_joints, to_q16
+from edmlift.keypoints import adapt_joints, read_camera, read_up, to_q16
 from edmlift.lifting import Poses, lift_joints, lift_joints_q
 from edmlift.networks import NAMES, find_model
 from edmlift.placing import Placements, place_joints, place_joints_by_sweep, stand_joints
@@ -46,12 +46,12 @@ ROOT = Path(__file__).resolve().parents[2]  # of a working copy
 
 
 class Library(Stages):
-    """The C library; `model` names one of its models, such as "fconn_f32".
+    """The C library; `model` names one of its models, such as "direct_w16".
 
     With `fixed`, `lift` is edml_lift_q(), which takes quantised models.
     """
 
-    def __init__(self, model: str = "fconn_f32", path: Path | None = None, fixed: bool = False):
+    def __init__(self, model: str | None = None, path: Path | None = None, fixed: bool = False):
         super().__init__(find_model(model, fixed, load(path)))
         self.fixed = fixed
 
@@ -59,12 +59,19 @@ class Library(Stages):
         """Is this one of the library's models?"""
         return model in NAMES and hasattr(self._c, f"edml_{model}")
 
-    def lift(self, keypoints: ArrayLike) -> Poses:
-        """Lifts joints [F,14,3]: x, y in pixels and confidence."""
+    def lift(
+        self, keypoints: ArrayLike, up: ArrayLike | None = None, camera: ArrayLike | None = None
+    ) -> Poses:
+        """Lifts joints [F,14,3]: x, y in pixels and confidence.
+
+        up [3] or [F,3], and the camera (fx, fy, cx, cy), where they are known.
+        """
         joints = checked_joints(keypoints)
+        directions = read_up(up, len(joints))
+        known = None if camera is None else read_camera(camera)
         if self.fixed:
-            return lift_joints_q(self._model, to_q16(joints))
-        return lift_joints(self._model, joints)
+            return lift_joints_q(self._model, to_q16(joints), directions, known)
+        return lift_joints(self._model, joints, directions, known)
 
     def format(self, name: str) -> Format:
         """One of the formats of keypoints, such as "coco17"."""
@@ -112,7 +119,8 @@ class Library(Stages):
 
     def stand(self, joints: ArrayLike, up: tuple[float, ...]) -> tuple[str, NDArray[np.float32]]:
         """Status name, and the joints [14,3] of a pose, y up from the floor."""
-        out, status = stand_joints(self._c, Poses.of(np.asarray(joints)[None]), up)
+        directions = np.array([up], np.float32)
+        out, status = stand_joints(self._c, Poses.of(np.asarray(joints)[None]), directions)
         return str(status[0]), out[0]
 
     def place(

@@ -14,11 +14,15 @@ from edmlift.formats import find_format
 from edmlift.keypoints import (
     adapt_joints,
     adapt_joints_q,
+    camera_q,
     from_bits,
+    read_camera,
     read_keypoints,
+    read_up,
     refusable,
     seen_bits,
     to_q16,
+    up_q,
 )
 from edmlift.networks import Model, find_model
 
@@ -31,8 +35,7 @@ class Poses:
     """F poses, or one without the leading axis; numbers are NaN where status is not "ok"."""
 
     joints: NDArray[np.float32]  # [F,14,3] metres; x right, y down, z away; origin at mid-hip
-    mirror_margin: NDArray[np.float32]  # [F] >= 0: log-odds that the mirror image is wrong
-    residual: NDArray[np.float32]  # [F] metres: how far the predicted distances disagree
+    misfit: NDArray[np.float32]  # [F] metres, RMS: how far the network's points are from the image
     status: NDArray[np.str_]  # [F] "ok", or why there is no pose
     seen: NDArray[np.bool_]  # [F,14] in the image
     keypoints: NDArray[np.float32]  # [F,14,3] pixels and confidence that the poses come from
@@ -64,16 +67,18 @@ class Poses:
         nothing = np.full(points.shape[:-2], np.nan, np.float32)
         statuses = np.broadcast_to(np.asarray(status, np.str_), points.shape[:-2])
         seen = np.ones(points.shape[:-1], bool) if keypoints is None else image[..., 2] > 0
-        return cls(points, nothing, nothing, statuses, seen, image)
+        return cls(points, nothing, statuses, seen, image)
 
 
 def lift(
     keypoints: ArrayLike,
     model: str | None = None,
+    up: ArrayLike | None = None,
     *,
     format: str | None = None,
     threshold: float = 0.0,
     image: tuple[float, float] | None = None,
+    camera: ArrayLike | None = None,
     fixed: bool = False,
 ) -> Poses:
     """Lifts 2D poses to 3D (the paper's section 3).
@@ -81,30 +86,38 @@ def lift(
     keypoints  [F,K,2] x and y, or [F,K,3] with a confidence; or one pose without F.  Pixels, y
                down, of any size and offset.  [.., 2] means that all were seen.  NaN in x or y
                means not seen.
-    model      one of `models()`; default "fconn_f32", with `fixed` "fconn_w16"
+    model      one of `models()`; default "distances_f32", with `fixed` "distances_w16"
+    up         where upwards is in the camera's axes, of any length, [3] or one a pose [F,3], as an
+               accelerometer at rest measures it; (0, -1, 0) is a level camera.  Default: not known
     format     the detector's keypoint order, one of FORMATS, such as "coco17".  Default: K is 14
                and the keypoints are JOINTS, as `adapt` returns them.
     threshold  a confidence up to this counts as not seen.  Default 0, as in the C library: a low
                confidence of a detector that guesses well is worth having.  For one whose unseen
                keypoints lie anywhere (MoveNet, PoseNet), 0.3 is usual.
-    image      (width, height) in pixels, for "blazepose33", whose keypoints are normalised by it
+    image      (width, height) in pixels: keypoints outside are not seen, whatever the detector
+               invents there.  "blazepose33", whose keypoints are normalised by it, needs it
+    camera     fx, fy, cx, cy in pixels, or the 3x3 matrix, of a camera without distortion, if it is
+               known: people off its axis are then lifted as if it looked at them, and do not come
+               out turned
     fixed      lift in fixed point, to the bits of a core without an FPU; coordinates within 8192
 
     Returns Poses; one pose for one.  A pose that cannot be lifted has a status and NaN:
     "too_few_joints" (fewer than 10 seen), "not_finite", "degenerate" (on a point or a line, or
-    like no person), "aspect" (too wide for its height).  ValueError: the arguments are wrong.
+    like no person), "camera" (that camera cannot have seen it).  ValueError: the arguments are
+    wrong.
     """
     chosen = find_model(model, fixed)
     given, single = read_keypoints(keypoints, format, threshold, image)
     layout = None if format is None else find_format(format)
+    directions = read_up(up, len(given))
+    intrinsics = None if camera is None else read_camera(camera)
     if fixed:
         given_q = to_q16(refusable(given))
         joints_q = given_q if layout is None else adapt_joints_q(load(), given_q, layout)
-        poses = lift_joints_q(chosen, joints_q)
+        poses = lift_joints_q(chosen, joints_q, directions, intrinsics)
     else:
-        poses = lift_joints(
-            chosen, given if layout is None else adapt_joints(load(), given, layout)
-        )
+        joints = given if layout is None else adapt_joints(load(), given, layout)
+        poses = lift_joints(chosen, joints, directions, intrinsics)
     return first(poses) if single else poses
 
 
@@ -135,24 +148,45 @@ def batched(poses: Poses) -> tuple[Poses, bool]:
 # ---- For the library, unchecked ----------------------------------------------------------------
 
 
-def lift_joints(model: Model, joints: NDArray[np.float32]) -> Poses:
-    """edml_lift() of joints [F,14,3]."""
+def lift_joints(
+    model: Model,
+    joints: NDArray[np.float32],
+    up: NDArray[np.float32] | None = None,
+    camera: NDArray[np.float32] | None = None,
+) -> Poses:
+    """edml_lift() of joints [F,14,3], up [F,3] and the camera [4] where they are known."""
     joints = np.ascontiguousarray(joints, np.float32)
-    poses, status = _call(model, model.c.edml_lift, joints, POSE)
+    poses, status = _call(model, "", joints, up, camera, POSE)
     return to_poses(model, poses, status, joints, 1)
 
 
-def lift_joints_q(model: Model, joints: NDArray[np.void]) -> Poses:
-    """edml_lift_q() of joints KEYPOINT_Q [F,14]."""
-    poses, status = _call(model, model.c.edml_lift_q, joints, POSE_Q)
+def lift_joints_q(
+    model: Model,
+    joints: NDArray[np.void],
+    up: NDArray[np.float32] | None = None,
+    camera: NDArray[np.float32] | None = None,
+) -> Poses:
+    """edml_lift_q() of joints KEYPOINT_Q [F,14], up [F,3] and the camera [4] where known."""
+    directions = None if up is None else up_q(up)
+    intrinsics = None if camera is None else camera_q(camera)
+    poses, status = _call(model, "_q", joints, directions, intrinsics, POSE_Q)
     keypoints = np.concatenate([joints["at"] / 65536, joints["c"][..., None] / 32768], -1)
     return to_poses(model, poses, status, keypoints.astype(np.float32), 1 / 65536)
 
 
 def _call(
-    model: Model, function: Any, joints: NDArray[Any], kind: np.dtype[np.void]
+    model: Model,
+    suffix: str,
+    joints: NDArray[Any],
+    up: NDArray[Any] | None,
+    camera: NDArray[Any] | None,
+    kind: np.dtype[np.void],
 ) -> tuple[NDArray[np.void], NDArray[np.int32]]:
-    """Poses [F] and status [F] of a C function that lifts one."""
+    """Poses [F] and status [F] of edml_lift(), or edml_lift_with_camera(), with this suffix."""
+    directions = None if up is None else np.ascontiguousarray(up)
+    name = "edml_lift" if camera is None else "edml_lift_with_camera"
+    function = getattr(model.c, name + suffix)
+    known = [] if camera is None else [pointer(camera)]
     poses, status = np.zeros(len(joints), kind), np.zeros(len(joints), np.int32)
 
     def run(start: int, step: int) -> None:
@@ -160,7 +194,10 @@ def _call(
         for i in range(start, len(joints), step):
             source = joints.ctypes.data + i * joints.strides[0]
             target = poses.ctypes.data + i * kind.itemsize
-            status[i] = function(target, source, model.address, work, model.work_bytes)
+            above = None if directions is None else pointer(directions[i])
+            status[i] = function(
+                target, source, above, *known, model.address, work, model.work_bytes
+            )
 
     if model.name.startswith(_THREADED):
         side_by_side(run)
@@ -184,14 +221,13 @@ def to_poses(
     unit: float,
 ) -> Poses:
     """C's poses, in metres, NaN where one has a status."""
-    names = ("joint", "mirror_margin", "residual")
-    joints, margin, residual = (
-        (poses[name] * np.float32(unit)).astype(np.float32) for name in names
+    joints, misfit = (
+        (poses[name] * np.float32(unit)).astype(np.float32) for name in ("joint", "misfit")
     )
-    for array in (joints, margin, residual):
+    for array in (joints, misfit):
         array[status != OK] = np.nan
     seen = from_bits(np.where(status == OK, poses["seen"], seen_bits(keypoints[..., 2] > 0)))
-    return Poses(joints, margin, residual, status_names(model.c, status), seen, keypoints)
+    return Poses(joints, misfit, status_names(model.c, status), seen, keypoints)
 
 
 def status_names(c: Any, status: NDArray[np.int32]) -> NDArray[np.str_]:
@@ -203,8 +239,8 @@ def status_names(c: Any, status: NDArray[np.int32]) -> NDArray[np.str_]:
 def c_poses(poses: Poses) -> NDArray[np.void]:
     """Poses [F] as edml_pose."""
     given = np.zeros(len(poses.joints), POSE)
-    given["joint"], given["residual"] = poses.joints, poses.residual
-    given["mirror_margin"], given["seen"] = poses.mirror_margin, seen_bits(poses.seen)
+    given["joint"], given["misfit"] = poses.joints, poses.misfit
+    given["seen"] = seen_bits(poses.seen)
     return given
 
 

@@ -7,8 +7,11 @@ from edmlift._binding import load
 from edmlift.formats import FORMATS
 
 # Float; weights of 16 and of 8 bits.  A library may have been built without some.
-NAMES = ("fconn_f32", "fconn_w16", "fconn_w8", "fconv_f32", "fconv_w8")
-DEFAULT, DEFAULT_FIXED = "fconn_f32", "fconn_w16"
+NAMES = (
+    "distances_f32", "distances_w16", "distances_w8", "direct_f32", "direct_w16", "direct_w8",
+    "fconn_f32", "fconn_w16", "fconn_w8", "fconv_f32", "fconv_w8",
+)  # fmt: skip
+DEFAULT, DEFAULT_FIXED = "distances_f32", "distances_w16"
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,8 @@ def models(fixed: bool = False) -> tuple[str, ...]:
 
 
 def find_model(name: str | None = None, fixed: bool = False, c: ctypes.CDLL | None = None) -> Model:
-    """The model of a name; without one "fconn_f32", or "fconn_w16" for a lift in fixed point.
+    """The model of a name; without one "distances_f32", or "distances_w16" for a lift in fixed
+    point.
 
     ValueError, which lists those that there are, where there is none, or where it cannot lift in
     that arithmetic.

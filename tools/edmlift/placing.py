@@ -1,15 +1,14 @@
 """Where a pose stands: before a camera, or on the floor."""
 
 import ctypes
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from edmlift._binding import OK, PLACEMENT, Point, load
-from edmlift.keypoints import image_size
+from edmlift.keypoints import image_size, read_camera, read_up
 from edmlift.lifting import Poses, batched, c_poses, first, pointers, status_names, summary
 from edmlift.networks import Model, find_model
 
@@ -53,39 +52,24 @@ def place(
     given, single = batched(poses)
     model = find_model()
     if image is None:
-        placed = place_joints(model, given, _intrinsics(camera))
+        placed = place_joints(model, given, read_camera(camera))
     else:
         sizes = np.tile(np.array(image_size(image), np.float32), (len(given.joints), 1))
         placed = place_joints_by_sweep(model, given, sizes)
     return first(placed) if single else placed
 
 
-def stand(poses: Poses, up: Sequence[float] = (0.0, -1.0, 0.0)) -> NDArray[np.float32]:
+def stand(poses: Poses, up: ArrayLike = (0.0, -1.0, 0.0)) -> NDArray[np.float32]:
     """Stands poses on the floor: joints [F,14,3] in metres, y up from the floor under the lower
     ankle's foot, x right and z towards the camera, from mid-hip; NaN where there is no pose.
 
-    up  where upwards is in the camera's axes, of any length, as an accelerometer at rest measures
-        it; the default is a level camera
+    up  where upwards is in the camera's axes, of any length, [3] or one a pose [F,3], as an
+        accelerometer at rest measures it; the default is a level camera
     """
-    with np.errstate(over="ignore"):
-        direction = np.asarray(up, float).astype(np.float32)  # as C takes it
-    if direction.shape != (3,) or not (np.isfinite(direction).all() and direction.any()):
-        raise ValueError(f"up must be three finite numbers, not all 0, not {up!r}")
     given, single = batched(poses)
-    out, _ = stand_joints(load(), given, tuple(direction.tolist()))
+    directions = read_up(up, len(given.joints))
+    out, _ = stand_joints(load(), given, directions)
     return out[0] if single else out
-
-
-def _intrinsics(camera: Any) -> NDArray[np.float32]:
-    numbers = np.asarray(camera, np.float32)
-    if numbers.shape == (3, 3):
-        others = numbers[[0, 1, 2, 2, 2], [1, 0, 0, 1, 2]]
-        if not np.array_equal(others, [0, 0, 0, 0, 1]):
-            raise ValueError("a camera matrix must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
-        numbers = numbers[[0, 1, 0, 1], [0, 1, 2, 2]]
-    if numbers.shape != (4,) or not (np.isfinite(numbers).all() and (numbers[:2] > 0).all()):
-        raise ValueError(f"camera must be fx, fy, cx, cy in pixels, fx, fy > 0, not {camera!r}")
-    return numbers
 
 
 # ---- For the library, unchecked ----------------------------------------------------------------
@@ -140,9 +124,12 @@ def _placed(
 
 
 def stand_joints(
-    c: ctypes.CDLL, poses: Poses, up: tuple[float, ...]
+    c: ctypes.CDLL, poses: Poses, up: NDArray[np.float32]
 ) -> tuple[NDArray[np.float32], NDArray[np.str_]]:
-    """edml_stand() of poses: joints [F,14,3] and the names of the status [F]."""
+    """edml_stand() of poses, up [F,3]: joints [F,14,3] and the names of the status [F]."""
     given, out = c_poses(poses), np.full(poses.joints.shape, np.nan, np.float32)
-    status = [c.edml_stand(target, pose, Point(*up)) for target, pose in pointers(out, given)]
+    status = [
+        c.edml_stand(target, pose, Point(*direction))
+        for (target, pose), direction in zip(pointers(out, given), up.tolist(), strict=True)
+    ]
     return out, status_names(c, np.array(status, np.int32))

@@ -13,8 +13,8 @@ from edmlift.lifting import Poses, batched, c_poses, first, pointers
 
 def quality(poses: Poses) -> NDArray[np.float32]:
     """The chance [F], 0 to 1, that a pose of `lift` has a mean joint error under 100 mm (rigid
-    alignment, no scale); NaN where there is none.  For single lifts: not for `track`, nor after
-    `fit_body` (docs/body.md)."""
+    alignment, no scale); NaN where there is none.  For poses as lifted: not after `fit_body`
+    (docs/body.md)."""
     given, single = batched(poses)
     found = quality_of(load(), given)
     return found[0] if single else found
@@ -41,7 +41,7 @@ def reflect_by_joint_limits(poses: Poses) -> tuple[Poses, NDArray[np.float32]]:
     """Reflects in depth each pose whose mirror image breaks fewer joint limits (section 3.3).
 
     Returns the poses, and how many fewer violations each [F] now has than its mirror image: 0 is
-    no opinion.  A pose that was reflected has mirror_margin 0: the two rules disagree.
+    no opinion.
     """
     given, single = batched(poses)
     reflected, fewer = reflect(load(), given)
@@ -54,8 +54,8 @@ def reflect_by_joint_limits(poses: Poses) -> tuple[Poses, NDArray[np.float32]]:
 def quality_of(c: ctypes.CDLL, poses: Poses) -> NDArray[np.float32]:
     """edml_quality() [F]; NaN where there is no pose."""
     found = np.full(len(poses.joints), np.nan, np.float32)
-    given, keypoints = c_poses(poses), np.ascontiguousarray(poses.keypoints, np.float32)
-    for row in pointers(found, given, keypoints):
+    given = c_poses(poses)
+    for row in pointers(found, given):
         c.edml_quality(*row)
     found[~poses.ok] = np.nan
     return found
@@ -89,12 +89,8 @@ def reflect(c: ctypes.CDLL, poses: Poses, fixed: bool = False) -> tuple[Poses, N
     status = np.array([apply(*row) for row in pointers(found, given)], int)
     fewer = np.where(status == OK, found, np.nan).astype(np.float32)
     unit = np.float32(1 / 65536 if fixed else 1)
-    parts = {"joint": poses.joints, "mirror_margin": poses.mirror_margin}
-    joints, margin = (
-        np.where((status == OK).reshape(-1, *[1] * (old.ndim - 1)), given[name] * unit, old)
-        for name, old in parts.items()
-    )
-    return replace(poses, joints=joints, mirror_margin=margin), fewer
+    joints = np.where((status == OK)[:, None, None], given["joint"] * unit, poses.joints)
+    return replace(poses, joints=joints), fewer
 
 
 def _c_poses(poses: Poses, fixed: bool) -> NDArray[np.void]:
@@ -103,5 +99,5 @@ def _c_poses(poses: Poses, fixed: bool) -> NDArray[np.void]:
         return c_poses(poses)
     given = np.zeros(len(poses.joints), POSE_Q)
     given["joint"] = np.nan_to_num(np.round(poses.joints * 65536.0), nan=-(2.0**31))
-    given["mirror_margin"] = np.nan_to_num(np.round(poses.mirror_margin * 65536.0))
+    given["misfit"] = np.nan_to_num(np.round(poses.misfit * 65536.0))
     return given

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from edmlift._binding import OK, POSE, TRACK, pointer
-from edmlift.keypoints import from_bits, read_joints
+from edmlift.keypoints import from_bits, read_joints, read_up
 from edmlift.lifting import Poses, first, pointers, to_poses
 from edmlift.networks import Model, find_model
 
@@ -16,7 +16,7 @@ _ARMS, _LEGS = 1, 2  # EDML_SWAPPED_ARMS, EDML_SWAPPED_LEGS
 @dataclass(frozen=True, repr=False)
 class Tracked(Poses):
     """Poses of a video.  keypoints are with left and right as the track took them; `seen` says
-    what was seen in this frame, mirror_margin what all frames so far say, at most 6."""
+    what was seen in this frame."""
 
     held: NDArray[np.bool_]  # [F,14] not seen in this frame, but lately
     swapped: NDArray[np.bool_]  # [F,2] the detector had swapped right and left arm; leg
@@ -58,16 +58,20 @@ class Track:
         if jitter_full is not None:
             state["jitter_full"] = jitter_full
 
-    def lift(self, keypoints: ArrayLike, time_ms: ArrayLike) -> Tracked:
+    def lift(
+        self, keypoints: ArrayLike, time_ms: ArrayLike, up: ArrayLike | None = None
+    ) -> Tracked:
         """Lifts the next frame, or the next F frames with F times.
 
         time_ms  milliseconds by any clock, ascending
+        up       as in `lift`
 
         Statuses besides those of `edmlift.lift`: "time" (not later than the frame before, or by
         more than 24 days) and "argument" (settings out of range); the track is then as before.
         """
         joints, single = read_joints(keypoints, self._format, self._threshold, self._image)
-        tracked = self._frames.lift(joints, np.atleast_1d(np.asarray(time_ms)))
+        times = np.atleast_1d(np.asarray(time_ms))
+        tracked = self._frames.lift(joints, times, read_up(up, len(joints)))
         return first(tracked) if single else tracked
 
 
@@ -77,6 +81,7 @@ def track(
     fps: float | None = None,
     time_ms: ArrayLike | None = None,
     model: str | None = None,
+    up: ArrayLike | None = None,
     format: str | None = None,
     threshold: float = 0.0,
     image: tuple[float, float] | None = None,
@@ -91,7 +96,8 @@ def track(
     if single:
         raise ValueError("track() takes frames [F,K,2] or [F,K,3], not one; Track takes one")
     times = time_ms if fps is None else np.arange(len(joints)) * 1000 / fps
-    return TrackedFrames(find_model(model)).lift(joints, np.asarray(times))
+    directions = read_up(up, len(joints))
+    return TrackedFrames(find_model(model)).lift(joints, np.asarray(times), directions)
 
 
 # ---- For the library, unchecked ----------------------------------------------------------------
@@ -106,8 +112,13 @@ class TrackedFrames:
         self.state = np.zeros(1, TRACK)
         model.c.edml_track_start(pointer(self.state))
 
-    def lift(self, joints: NDArray[np.float32], time_ms: NDArray[np.generic]) -> Tracked:
-        """Lifts joints [F,14,3] that were seen at times [F], ms."""
+    def lift(
+        self,
+        joints: NDArray[np.float32],
+        time_ms: NDArray[np.generic],
+        up: NDArray[np.float32] | None = None,
+    ) -> Tracked:
+        """Lifts joints [F,14,3] that were seen at times [F], ms; up [F,3] where it is known."""
         if time_ms.shape != joints.shape[:1]:
             raise ValueError(f"times must be [{len(joints)}], not {list(time_ms.shape)}")
         if time_ms.dtype.kind not in "iuf" or not np.isfinite(time_ms).all():
@@ -119,7 +130,8 @@ class TrackedFrames:
         for i, (pose, seen) in enumerate(pointers(poses, joints)):
             status[i] = model.c.edml_track_lift(
                 pose, pointer(self.state), seen, int(times[i]) & 0xFFFFFFFF,
-                model.address, self._work, model.work_bytes,
+                None if up is None else pointer(up[i]), model.address, self._work,
+                model.work_bytes,
             )  # fmt: skip
             if status[i] == OK:
                 reports[i] = self.state[0]
