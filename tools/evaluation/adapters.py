@@ -1,6 +1,6 @@
 """What an adapter costs in accuracy.
 
-    evaluate.py adapters TEST.npz [--model fconn_f32] [--update docs/detectors.md] [--quick]
+    evaluate.py adapters TEST.npz [--model distances_f32] [--update docs/detectors.md] [--quick]
 
 The test people are seen as detectors of several kinds see them, with the heads of
 tools/data/head_model.py, exactly and with the noise of an imitated detector on every keypoint;

@@ -6,6 +6,7 @@ from the JSON of tools/experiments/rivals.py.
 """
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -20,9 +21,7 @@ from edmlift.metrics import procrustes
 TRAINED = DOCS / "accuracy" / "rivals.json"
 TITLES = {
     "mlp40k": "Cartesian network, 40 K",
-    "mlp40k_guess": "the same, missing joints imputed",
-    "mlp40k_blend": "that of 40 K, fused with the image",
-    "mlp25k": "Cartesian network, 25.6 K",
+    "equivariant40k": "the same, left and right alike",
     "martinez": "residual network, 4.3 M",
 }
 SEED = 20170715  # of the cameras that see the training people
@@ -30,32 +29,44 @@ ROUNDS = 10  # of alignment to the mean
 BLOCK = 512  # poses that are compared with all others at once
 
 
-def read_trained(path: Path, test: Motion, train: Motion, columns: list[str]) -> dict[str, dict]:
+def read_trained(
+    path: Path, test: Motion, train: Sequence[Motion], columns: list[str]
+) -> dict[str, dict]:
     """Figures of the trained rivals, {title: {column: {figure: value}}}, from their JSON.
 
     ValueError if they were trained or measured on other people, or not on all of the columns.
     """
+    people = [motion.sha256 for motion in train]
     again = "tools/experiments/rivals.py measures again"
     if not path.exists():
         raise ValueError(f"{path}: not there; {again}")
     rows = {}
-    for name, entry in json.loads(path.read_text()).get("rivals", {}).items():
-        for key, how, motion in (("data", "trained", train), ("test", "measured", test)):
-            if entry[key]["sha256"] != motion.sha256:
-                other = f"{name} was {how} on other poses than those of {motion.source}"
-                raise ValueError(f"{path}: {other}; {again}")
-        missing = [column for column in columns if column not in entry["figures"]]
+    entries = json.loads(path.read_text()).get("rivals", {})
+    if not entries:
+        raise ValueError(f"{path}: has no rivals; {again}")
+    for name, entry in entries.items():
+        if [file["sha256"] for file in entry["data"]["files"]] != people:
+            sources = " and ".join(motion.source for motion in train)
+            other = f"{name} was trained on other poses than those of {sources}"
+            raise ValueError(f"{path}: {other}; {again}")
+        tests = {found["sha256"]: found["figures"] for found in entry["tests"]}
+        if test.sha256 not in tests:
+            other = f"{name} was measured on other poses than those of {test.source}"
+            raise ValueError(f"{path}: {other}; {again}")
+        figures = tests[test.sha256]
+        missing = [column for column in columns if column not in figures]
         if missing:
             raise ValueError(f"{path}: {name} has no column {', '.join(missing)}; {again}")
-        rows[TITLES[name]] = entry["figures"]
+        rows[TITLES[name]] = figures
     return rows
 
 
 class MeanPose:
     """The same pose for everyone: the mean of the training poses, each rotated to it."""
 
-    def __init__(self, train: Motion) -> None:
-        poses = train.joints - train.joints.mean(1, keepdims=True)
+    def __init__(self, train: Sequence[Motion]) -> None:
+        joints = np.concatenate([motion.joints for motion in train])
+        poses = joints - joints.mean(1, keepdims=True)
         mean = poses[0]
         for _ in range(ROUNDS):
             mean = procrustes(poses, np.broadcast_to(mean, poses.shape)).mean(0)
@@ -69,8 +80,9 @@ class MeanPose:
 class NearestNeighbour:
     """The training pose of which one view has the nearest 2D distances, of the joints seen."""
 
-    def __init__(self, train: Motion) -> None:
-        self._truth = cameras.look(train.joints, np.random.default_rng(SEED))
+    def __init__(self, train: Sequence[Motion]) -> None:
+        joints = np.concatenate([motion.joints for motion in train])
+        self._truth = cameras.look(joints, np.random.default_rng(SEED))
         self._points = cameras.project(self._truth)
 
     def lift(self, keypoints: np.ndarray) -> Poses:

@@ -1,11 +1,14 @@
 """Effect of known body measurements, and how true quality and uncertainty are.
 
-    evaluate.py body TEST.npz [--model fconn_f32] [--update docs/body.md] [--quick]
+    evaluate.py body TEST.npz OTHERS.npz [--models distances direct] [--update docs/body.md]
+                [--quick]
 
-Standing heights are estimated as tools/data/bodies.py says, bones are the true ones.
+Standing heights are estimated as tools/data/bodies.py says, bones are the true ones.  Sizes and
+parts of bodies are measured with the first model, quality with each.
 """
 
 import argparse
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -13,17 +16,19 @@ import numpy as np
 from tqdm import tqdm
 
 from data import cameras
-from data.bodies import GOOD, ankle_height, bodies
+from data.bodies import GOOD, bodies
 from data.mocap import Motion
 from data.views import SEED, Column, views
 from edmlift.joints import BONES, JOINTS, PAIRS, indices
 from edmlift.library import Library
 from edmlift.metrics import joint_errors, rigid_errors
-from evaluation.command import Evaluation, Tables, base_model, load
+from evaluation.command import Evaluation, Tables, by_set, load_sets, set_options
 from evaluation.measures import by_subject, mean_error
+from model.constants import number
 from model.manifest import read_manifest
 from reports.markdown import table
 
+MODELS = ("distances", "direct")
 SIZED = ("gt", "cpm", "rand2", "close")  # columns
 LEG_JOINTS = ("right_knee", "right_ankle", "left_knee", "left_ankle")
 # What is not seen.
@@ -40,19 +45,31 @@ PARTIAL = {
 }
 
 
+MATRIX = "bones, put into the matrix instead"
+
+
+def network_gives_distances(manifest: dict[str, Any]) -> bool:
+    """Whether a model goes through the scaling: `direct` does not."""
+    return manifest["recipe"]["network"] != "direct"
+
+
 def matrix_way(
     library: Library, column: Column, bone: np.ndarray, manifest: dict[str, Any]
 ) -> np.ndarray:
     """Poses [F,14,3] if known bones [F,13] replace their distances in the network's matrix, and
     the others are scaled alike: the alternative to edml_fit_body()."""
-    fewest, aspect = manifest["fewest_joints"], manifest["max_aspect"]
     pairs = [np.flatnonzero((PAIRS[0] == min(b)) & (PAIRS[1] == max(b)))[0] for b in BONES]
     joints = np.zeros_like(column.truth)
     for pose, keypoints, known in zip(joints, column.keypoints, bone, strict=True):
-        distance = library.predict(library.edm(keypoints, fewest, aspect, impute=True)[1])
-        distance *= known.sum() / distance[pairs].sum()
+        _, image = library.body_frame(keypoints, manifest["fewest_joints"], impute=True)
+        found = library.predict(image)
+        distance = found.distance * known.sum() / found.distance[pairs].sum()
         distance[pairs] = known
-        pose[:] = library.mirror(library.mds(distance))[0]
+        scaled = library.mds(distance)
+        if found.points.any():  # of `distances`; `fconn` gives none
+            pose[:] = library.align(scaled, found.points)
+        else:
+            pose[:] = library.mirror(library.orient(scaled, image))
     return joints
 
 
@@ -78,40 +95,53 @@ def sizes(
     library: Library, motion: Motion, columns: dict[str, Column], manifest: dict[str, Any]
 ) -> str:
     """Table of errors by what is known of the person."""
-    people = bodies(motion, ankle_height(motion))
+    people = bodies(motion, number("ANKLE_HEIGHT"))
     who = np.searchsorted(people.subject, motion.subject)
     height, bone = people.height[who], people.bone[who]
-    known = known_measurements(height, bone)
-    rows: dict[str, list[float]] = {title: [] for title in known}
-    rows["bones, put into the matrix instead"] = []
-    rows["(the scale that fits the truth best)"] = []
+    figures = {}
     for name in tqdm(SIZED, desc="sizes", disable=None):
-        column = columns[name]
-        poses = library.lift(column.keypoints)
-        for title, person in known.items():
-            joints, status = library.fit_body(poses.joints, **person)
-            if (status != "ok").any():
-                raise ValueError(f"{title}, {name}: {status[status != 'ok'][0]}")
-            rows[title].append(mean_error(joints.astype(float), column.truth, motion.subject))
+        poses = library.lift(columns[name].keypoints)
+        fine = poses.ok
+        few = columns[name].take(fine), motion.subject[fine], bone[fine]
+        known = known_measurements(height[fine], bone[fine])
+        figures[name] = column_sizes(library, poses.joints[fine], known, *few, manifest)
+    titles = figures[SIZED[0]]
+    return table("known, mm", list(SIZED), {t: [f[t] for f in figures.values()] for t in titles})
+
+
+def column_sizes(
+    library: Library,
+    joints: np.ndarray,
+    known: dict[str, dict[str, Any]],
+    column: Column,
+    subject: np.ndarray,
+    bone: np.ndarray,
+    manifest: dict[str, Any],
+) -> dict[str, float]:
+    """Errors of lifted poses [F,14,3], by what is known of the people."""
+    errors = {}
+    for title, person in known.items():
+        fitted, status = library.fit_body(joints, **person)
+        if (status != "ok").any():
+            raise ValueError(f"{title}: {status[status != 'ok'][0]}")
+        errors[title] = mean_error(fitted.astype(float), column.truth, subject)
+    if network_gives_distances(manifest):
         inside = matrix_way(library, column, bone, manifest)
-        rows["bones, put into the matrix instead"].append(
-            mean_error(inside, column.truth, motion.subject)
-        )
-        best = joint_errors(poses.joints, column.truth, "similarity").mean(1)
-        rows["(the scale that fits the truth best)"].append(
-            1000 * by_subject(best, motion.subject).mean()
-        )
-    return table("known, mm", list(SIZED), rows)
+        errors[MATRIX] = mean_error(inside, column.truth, subject)
+    best = joint_errors(joints, column.truth, "similarity").mean(1)
+    errors["(the scale that fits the truth best)"] = 1000 * by_subject(best, subject).mean()
+    return errors
 
 
 def quality_figures(
     library: Library, columns: dict[str, Column]
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Quality [F] and error [F] in metres of each column."""
+    """Quality [F] and error [F] in metres of each column; NaN where there is no pose."""
     figures = {}
     for name, column in tqdm(columns.items(), desc="quality", disable=None):
         poses = library.lift(column.keypoints)
-        error = rigid_errors(poses.joints.astype(float), column.truth).mean(1)
+        fine, error = poses.ok, np.full(len(poses.joints), np.nan)
+        error[fine] = rigid_errors(poses.joints[fine].astype(float), column.truth[fine]).mean(1)
         figures[name] = library.quality(poses), error
     return figures
 
@@ -193,20 +223,35 @@ def partial(library: Library, motion: Motion) -> str:
     return table("", titles, rows)
 
 
-def evaluate(library: Library, motion: Motion, manifest: dict[str, Any]) -> Tables:
-    """All tables of the page."""
-    columns = views(motion.joints)
-    figures = quality_figures(library, columns)
+def qualities(library: Library, model: str, motions: Mapping[str, Motion]) -> Tables:
+    """The tables of a model's quality; their marks end in its name."""
+    figures = {s: quality_figures(library, views(m.joints)) for s, m in motions.items()}
+    both = {s: (figures[s], motion.subject) for s, motion in motions.items()}
     return {
-        "sizes": sizes(library, motion, columns, manifest),
-        "quality": deciles(figures),
-        "kept": kept(figures) + "\n" + by_person(figures, motion.subject),
-        "partial": partial(library, motion),
+        f"quality_{model}": by_set(deciles, figures),
+        f"kept_{model}": by_set(lambda f: f"{kept(f[0])}\n{by_person(*f)}", both),
     }
 
 
+def evaluate(models: Sequence[str], motions: Mapping[str, Motion]) -> Tables:
+    """All tables of the page."""
+    libraries = {model: Library(f"{model}_f32") for model in models}
+    first, manifest = libraries[models[0]], read_manifest(models[0])
+    found = {
+        "sizes": by_set(lambda m: sizes(first, m, views(m.joints), manifest), motions),
+        "partial": by_set(lambda m: partial(first, m), motions),
+    }
+    for model, library in libraries.items():
+        found |= qualities(library, model, motions)
+    return found
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    set_options(parser, MODELS)
+
+
 def tables(args: argparse.Namespace) -> Tables:
-    return evaluate(*load(args), read_manifest(base_model(args)))
+    return evaluate(args.models, load_sets(args))
 
 
-EVALUATION = Evaluation(__doc__, tables)
+EVALUATION = Evaluation(__doc__, tables, options)

@@ -1,6 +1,7 @@
 """How well poses are placed before the camera, where the truth is known.
 
-    evaluate.py camera TEST.npz [--model fconn_f32] [--update docs/where-in-the-room.md] [--quick]
+    evaluate.py camera TEST.npz [--model distances_f32] [--quick]
+                [--update docs/where-in-the-room.md]
 
 Poses are seen exactly (gt) and as by a detector (cpm), and are either the true ones or lifted.  The
 root is mid-hip.  The rotation of a lifted pose is compared with the one that aligns it with the

@@ -380,9 +380,9 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cameras", type=Path, required=True, help="its *_dataset.py, or JSON")
     parser.add_argument("--protocol", type=int, choices=H36M_PROTOCOLS, help="of h36m")
     parser.add_argument("--action", help="this one alone, as the data set names it")
-    parser.add_argument("--model", default="fconn_f32", help="(%(default)s)")
+    parser.add_argument("--model", default="distances_f32", help="(%(default)s)")
     parser.add_argument("--train", action="store_true", help="a model on the training people")
-    parser.add_argument("--recipe", default="mds", help="of train.py (%(default)s)")
+    parser.add_argument("--recipe", default="distances", help="of train.py (%(default)s)")
     parser.add_argument("--epochs", type=int, help="in all, instead of the recipe's")
     parser.add_argument(
         "--out", type=Path, help="folder for table.md, train.npz, test.npz (build/licensed/...)"

@@ -29,7 +29,12 @@ class Lifter(Protocol):
     """The library, or a rival."""
 
     def lift(self, keypoints: np.ndarray) -> Poses:
-        """Poses of keypoints [F,14,3]."""
+        """Poses of keypoints [F,14,3]; the library takes up=, too."""
+
+
+def lift(lifter: Lifter, column: Column, up: np.ndarray | None = None) -> Poses:
+    """The poses of a column; up [F,3], if it is told, is for lifters that take it."""
+    return lifter.lift(column.keypoints) if up is None else lifter.lift(column.keypoints, up=up)
 
 
 def by_subject(values: np.ndarray, subject: np.ndarray) -> np.ndarray:
@@ -54,9 +59,15 @@ def mean_error(joints: np.ndarray, truth: np.ndarray, subject: np.ndarray) -> fl
     return float(by_subject(mean_errors(joints, truth), subject).mean())
 
 
+def camera_errors(joints: np.ndarray, truth: np.ndarray) -> np.ndarray:
+    """Error of each pose in the camera's axes, mid-hips together, [F] in mm."""
+    rooted = joints - (truth - mid_hip(truth)[:, None])
+    return 1000 * np.linalg.norm(rooted, axis=-1).mean(1)
+
+
 def measure(lifter: Lifter, column: Column, subject: np.ndarray) -> Figures:
     """All figures of a column."""
-    poses = lifter.lift(column.keypoints)
+    poses = lift(lifter, column)
     fine = poses.status == "ok"
     joints, truth, seen = poses.joints[fine].astype(float), column.truth[fine], column.seen[fine]
     subject = subject[fine]
@@ -64,7 +75,6 @@ def measure(lifter: Lifter, column: Column, subject: np.ndarray) -> Figures:
     mirrored = mean_errors(joints * MIRROR_IMAGE, truth)
     right = error.mean(1) <= mirrored
     oracle = np.minimum(error.mean(1), mirrored)
-    rooted = joints - (truth - mid_hip(truth)[:, None])
     scaled = 1000 * joint_errors(joints, truth, "similarity").mean(1)
     means = by_subject(error.mean(1), subject)
     result = {
@@ -74,7 +84,7 @@ def measure(lifter: Lifter, column: Column, subject: np.ndarray) -> Figures:
         "mirror_right_percent": 100 * by_subject(right.astype(float), subject).mean(),
         "mirror_right_percent_of_frames": 100 * right.mean(),
         "with_scale": by_subject(scaled, subject).mean(),
-        "camera_axes": by_subject(1000 * np.linalg.norm(rooted, axis=-1).mean(1), subject).mean(),
+        "camera_axes": by_subject(camera_errors(joints, truth), subject).mean(),
         "pck150_percent": 100 * by_subject((error < 1000 * PCK).mean(1), subject).mean(),
         "refused": int((~fine).sum()),
         "by_joint": {
@@ -91,6 +101,25 @@ def evaluate(lifter: Lifter, motion: Motion) -> dict[str, Figures]:
     """Figures of every column: {column: {figure: value}}."""
     bar = tqdm(views(motion.joints).items(), desc="evaluate", disable=None)
     return {name: measure(lifter, column, motion.subject) for name, column in bar}
+
+
+def tilted(up: np.ndarray, degrees: float) -> np.ndarray:
+    """Directions [F,3] that are off by so many degrees, to any side."""
+    side = np.cross(up, np.random.default_rng(SEED).normal(size=up.shape))
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    angle = np.radians(degrees)
+    return np.cos(angle) * up + np.sin(angle) * side
+
+
+def both_errors(
+    lifter: Lifter, column: Column, subject: np.ndarray, up: np.ndarray | None = None
+) -> dict[str, float]:
+    """The aligned error and that in the camera's axes, alone; up [F,3], if it is told."""
+    poses = lift(lifter, column, up)
+    fine = poses.status == "ok"
+    joints, truth = poses.joints[fine].astype(float), column.truth[fine]
+    errors = {"error": mean_errors(joints, truth), "camera_axes": camera_errors(joints, truth)}
+    return {name: by_subject(values, subject[fine]).mean() for name, values in errors.items()}
 
 
 def person_errors(lifter: Lifter, column: Column, subject: np.ndarray) -> dict[str, float]:

@@ -1,24 +1,27 @@
 """The rules that choose the mirror image, side by side.
 
-    evaluate.py mirror TEST.npz [--model fconn_f32] [--update docs/accuracy-log.md] [--quick]
+    evaluate.py mirror TEST.npz OTHERS.npz [--models distances direct fconn] [--quick]
+                [--update docs/accuracy-log.md]
 
-The linear score chooses first (lib/lift/mirror.h); the joint limits then reflect its choice where
-the mirror image violates fewer of them (lib/optional/joint_limits.h).  Measured on true poses, on
-true poses with noise, and on what the network makes of exact 2D, of noise of 20 pixels and of a
-detector's noise.
+The lift chooses first: `fconn` by a linear score of five weights (lib/lift/mirror.h); `direct` and
+`distances` give points, which are in one mirror image.  The joint limits then reflect that choice
+where the mirror image violates fewer of them (lib/optional/joint_limits.h).  Measured on what the
+network makes of exact 2D, of noise of 20 pixels and of a detector's noise; the linear score on true
+poses, too, and with noise on them.
 """
 
 import argparse
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from tqdm import tqdm
 
 from data.mocap import Motion
-from data.views import SEED, Column, views
+from data.views import SEED, views
 from edmlift.joints import mid_hip
 from edmlift.library import Library
-from evaluation.command import Evaluation, Tables, load
+from evaluation.command import Evaluation, Tables, by_set, load_sets, set_options
 from evaluation.measures import MIRROR_IMAGE, by_subject, mean_errors
 from reports.markdown import Figure, table
 
@@ -26,16 +29,18 @@ NOISE = 0.030  # metres, each coordinate of a joint
 SAME = 1e-3  # mm: errors of one and the same pose
 # Columns of data/views.py.
 NETWORK = {"network, exact 2D": "gt", "network, 20 px": "n20", "network, detector": "cpm"}
-RULES = ("by chance", "joint limits, else by chance", "linear score",
-         "joint limits, else linear score", "better mirror image")  # fmt: skip
-SCORE, LIMITS = RULES[2], RULES[3]
+MODELS = ("distances", "direct", "fconn")
+OWN = {"distances": "the network", "direct": "the network", "fconn": "linear score"}
+RULES = ("by chance", "joint limits, else by chance", "{}", "joint limits, else {}",
+         "better mirror image")  # fmt: skip
+CHOSEN, LIMITS = RULES[2], RULES[3]  # with what the lift goes by: OWN
 
 
 @dataclass(frozen=True)
 class Choices:
     """What the rules make of F poses; errors are in mm."""
 
-    error: np.ndarray  # [F] of the one that the linear score chose
+    error: np.ndarray  # [F] of the one that the lift chose
     mirrored: np.ndarray  # [F] of its mirror image
     by_limits: np.ndarray  # [F] of what the joint limits then choose
     fewer: np.ndarray  # [F] by how many violations that has fewer than its mirror image
@@ -54,8 +59,8 @@ class Choices:
 
 
 def choose(library: Library, joints: np.ndarray, truth: np.ndarray, motion: Motion) -> Choices:
-    """The choices for poses [F,14,3], as the linear score chose them; those that are NaN are left
-    out.  truth [F,14,3]."""
+    """The choices for poses [F,14,3], as the lift chose them; those that are NaN are left out.
+    truth [F,14,3]."""
     fine = np.isfinite(joints).all((1, 2))
     joints, truth = joints[fine].astype(float), truth[fine]
     reflected, fewer = library.reflect_by_joint_limits(joints)
@@ -73,24 +78,22 @@ def choose(library: Library, joints: np.ndarray, truth: np.ndarray, motion: Moti
 def scored(library: Library, joints: np.ndarray) -> np.ndarray:
     """The mirror images of poses [F,14,3] that the linear score chooses, mid-hip at the origin."""
     joints = joints - mid_hip(joints)[:, None]
-    return np.stack([library.mirror(pose)[0] for pose in joints])
+    return np.stack([library.mirror(pose) for pose in joints])
 
 
-def choices(library: Library, motion: Motion) -> dict[str, Choices]:
-    """By what the poses are."""
+def choices(library: Library, motion: Motion, score: bool) -> dict[str, Choices]:
+    """By what the poses are; score: the model has the linear score's weights."""
     columns = views(motion.joints)
     truth = columns["gt"].truth
-    noisy = truth + np.random.default_rng(SEED).normal(0, NOISE, truth.shape)
-    whole = np.ones(truth.shape[:2], bool)
-    given = {
-        "true poses": Column(scored(library, truth), whole, truth),
-        f"with {1000 * NOISE:.0f} mm of noise": Column(scored(library, noisy), whole, truth),
-    }
+    given = {}
+    if score:
+        noisy = truth + np.random.default_rng(SEED).normal(0, NOISE, truth.shape)
+        given["true poses"] = scored(library, truth), truth
+        given[f"with {1000 * NOISE:.0f} mm of noise"] = scored(library, noisy), truth
     for name, column in NETWORK.items():
-        lifted = library.lift(columns[column].keypoints).joints
-        given[name] = Column(lifted, whole, columns[column].truth)
+        given[name] = library.lift(columns[column].keypoints).joints, columns[column].truth
     bar = tqdm(given.items(), desc="mirror images", disable=None)
-    return {name: choose(library, c.keypoints, c.truth, motion) for name, c in bar}
+    return {name: choose(library, joints, true, motion) for name, (joints, true) in bar}
 
 
 def rules(c: Choices) -> dict[str, tuple[float, float]]:
@@ -106,11 +109,11 @@ def rules(c: Choices) -> dict[str, tuple[float, float]]:
     }
 
 
-def rules_table(found: dict[str, Choices]) -> str:
-    """A row a rule: choices that are right, %, and the mean error, mm."""
+def rules_table(found: dict[str, Choices], own: str) -> str:
+    """A row a rule: choices that are right, %, and the mean error, mm; own: the lift's rule."""
     of = {name: rules(c) for name, c in found.items()}
     heads = [head for name in of for head in (f"{name}: %", "mm")]
-    rows = {rule: [value for name in of for value in of[name][rule]] for rule in RULES}
+    rows = {rule.format(own): [v for name in of for v in of[name][rule]] for rule in RULES}
     reflected = [int((np.abs(c.by_limits - c.error) > SAME).sum()) for c in found.values()]
     undecided = [int((c.fewer == 0).sum()) for c in found.values()]
     for title, counts in (("reflected", reflected), ("undecided", undecided)):
@@ -132,35 +135,44 @@ def violations_table(found: dict[str, Choices]) -> str:
 
 
 def actions_table(found: dict[str, Choices], names: tuple[str, ...]) -> str:
-    """Right choices by action: linear score and joint limits; then errors of the last poses."""
+    """Right choices by action: the lift and joint limits; then errors of the last poses."""
     heads = ["poses", "people"]
     for name in found:
-        heads += [f"{name}: score, %", "limits, %"]
-    heads += [f"{name}: score, mm", "limits, mm"]
+        heads += [f"{name}: lift, %", "limits, %"]
+    heads += [f"{name}: lift, mm", "limits, mm"]
     rows = {}
     for action in np.unique(found[name].action):
         of = {key: c.take(c.action == action) for key, c in found.items()}
         last = of[name]
         cells: list[Figure] = [len(last.error), len(np.unique(last.subject))]
         for c in of.values():
-            cells += [rules(c)[rule][0] for rule in (SCORE, LIMITS)]
-        cells += [rules(last)[rule][1] for rule in (SCORE, LIMITS)]
+            cells += [rules(c)[rule][0] for rule in (CHOSEN, LIMITS)]
+        cells += [rules(last)[rule][1] for rule in (CHOSEN, LIMITS)]
         rows[names[action] if 0 <= action < len(names) else "unknown"] = cells
     return table("", heads, rows)
 
 
-def evaluate(library: Library, motion: Motion) -> Tables:
-    """All tables of the page."""
-    found = choices(library, motion)
+def evaluate(library: Library, model: str, motions: Mapping[str, Motion]) -> Tables:
+    """All tables of a model; their marks end in its name."""
+    own = OWN[model]
+    found = {s: choices(library, motion, own == OWN["fconn"]) for s, motion in motions.items()}
+    named = {s: (found[s], motion.action_names) for s, motion in motions.items()}
     return {
-        "mirror": rules_table(found),
-        "violations": violations_table(found),
-        "mirror_actions": actions_table(found, motion.action_names),
+        f"mirror_{model}": by_set(lambda c: rules_table(c, own), found),
+        f"violations_{model}": by_set(violations_table, found),
+        f"mirror_actions_{model}": by_set(lambda both: actions_table(*both), named),
     }
 
 
+def options(parser: argparse.ArgumentParser) -> None:
+    set_options(parser, MODELS)
+
+
 def tables(args: argparse.Namespace) -> Tables:
-    return evaluate(*load(args))
+    motions, found = load_sets(args), Tables()
+    for model in args.models:
+        found |= evaluate(Library(f"{model}_f32"), model, motions)
+    return found
 
 
-EVALUATION = Evaluation(__doc__, tables)
+EVALUATION = Evaluation(__doc__, tables, options)

@@ -126,7 +126,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("annotated", type=Path, help=".mat of LSP's layout, or lines of numbers")
     parser.add_argument("--detections", type=Path, help="a detector's joints of the same images")
     parser.add_argument("--size", type=float, nargs=2, metavar=("WIDTH", "HEIGHT"))
-    parser.add_argument("--model", default="fconn_f32", help="(%(default)s)")
+    parser.add_argument("--model", default="distances_f32", help="(%(default)s)")
 
 
 def tables(args: argparse.Namespace) -> Tables:

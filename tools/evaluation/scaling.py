@@ -1,11 +1,11 @@
 """From distances to points: the library's ways, and the paper's relaxation with gradient descent.
 
-    evaluate.py scaling TEST.npz [--model fconn] [--update docs/accuracy-log.md] [--quick]
+    evaluate.py scaling TEST.npz [--model distances] [--update docs/accuracy-log.md] [--quick]
 
 Takes what the network predicts for a sample of poses, as many of each person, and makes points of
 it: by the library's classical scaling and each of its refinements, and by the semidefinite
-relaxation of eq. 2 (tools/model/sdp.py; pip install -r tools/requirements-sdp.txt).  All go through
-the library's choice of the mirror image.  Eq. 2 is the mean of |d^2 - D^2| over the pairs, cm^2;
+relaxation of eq. 2 (tools/model/sdp.py; pip install -r tools/requirements-sdp.txt).  The errors are
+those of the better mirror image.  Eq. 2 is the mean of |d^2 - D^2| over the pairs, cm^2;
 "no worse" is the share of the poses where it is no higher than after relaxation and gradient
 descent, "than best" than after relaxation and the library's refinement of eq. 2.  Time is the
 median, with some microseconds of Python around each call.  --quick takes 21 poses.
@@ -68,10 +68,9 @@ def solvers(library: Library) -> dict[str, Solver]:
 
 def predictions(library: Library, column: Column, manifest: dict[str, Any]) -> np.ndarray:
     """Distances [F,91] in metres that the network predicts."""
-    impute = manifest["missing"] == "imputed"
-    settings = (manifest["fewest_joints"], manifest["max_aspect"], impute)
-    edm = (library.edm(k, *settings) for k in column.keypoints)
-    return np.array([library.predict(distance) for _, distance in edm])
+    settings = (manifest["fewest_joints"], manifest["missing"] == "imputed")
+    images = (library.body_frame(k, *settings) for k in column.keypoints)
+    return np.array([library.predict(image).distance for _, image in images])
 
 
 def measure(
@@ -84,9 +83,10 @@ def measure(
         start = time.perf_counter()
         points.append(solve(one))
         spent.append(time.perf_counter() - start)
-    chosen = np.array([library.mirror(p)[0] for p in points], float)
+    found = np.array(points, float)
+    handed = [mean_errors(found * [1, 1, sign], truth) for sign in (1, -1)]
     return {
-        "error": mean_errors(chosen, truth),
+        "error": np.minimum(*handed),
         "eq2": np.array(
             [library.stress(p, d, "eq2") for p, d in zip(points, distance, strict=True)]
         ),

@@ -1,6 +1,6 @@
 """What a track makes of a video.
 
-    evaluate.py video MOTION [--fps 30] [--model fconn_f32] [--update docs/video.md --name NAME]
+    evaluate.py video MOTION [--fps 30] [--model distances_f32] [--update docs/video.md --name NAME]
     evaluate.py video MOTION --jitter-full 0    # with filters that always act in full
 
 MOTION is an .npz, whose clips are the frames that follow one another within 0.2 s, or a folder of
@@ -295,7 +295,7 @@ def load_video(path: Path, fps: float) -> Motion:
 def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
     parser.add_argument("--fps", type=float, default=30.0, help="of a folder (default: 30)")
-    parser.add_argument("--model", default="fconn_f32", help="(%(default)s)")
+    parser.add_argument("--model", default="distances_f32", help="(%(default)s)")
     parser.add_argument("--jitter-full", type=float, help="edml_track's, instead of its default")
     parser.add_argument("--name", default="video", help="of the marks (%(default)s)")
 

@@ -1,16 +1,20 @@
 """Constants of lib/optional/: body.h, stand.h, quality.h, uncertainty.c; from training people.
 
-    run.py fitting.body TRAIN.npz
+    run.py fitting.body TRAIN.npz OTHERS.npz [--models distances direct]
 
-The network knows the training people, so the poses are of bodies that are varied as in its training
-(cameras.vary_bodies), on the views of tools/data/views.py.  Whoever trains a network anew runs this
-again.
+The networks know the training people, so the poses are of bodies that are varied as in their
+training (cameras.vary_bodies), on the views of tools/data/views.py.  One set of constants serves
+all of the models; each model and each file of people counts alike for quality, each person for
+uncertainty.  Proportions are those of the first file, whose people are seen to stand.  Whoever
+trains a network anew runs this again.
 """
 
 import argparse
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from scipy.optimize import minimize
@@ -19,17 +23,25 @@ from data import cameras
 from data.bodies import GOOD, Bodies, ankle_height, bodies, bone_lengths, by_type
 from data.mocap import MocapError, Motion, load_motion
 from data.views import views
-from edmlift.joints import BONE_TYPE, BONES, JOINTS, LIMBS
+from edmlift.joints import BONE_TYPE, BONES, JOINTS, LIMBS, indices
 from edmlift.library import Library, Poses
 from edmlift.metrics import rigid_errors
 from training.recipe import MAX_MISSING
 from training.views import draw_masks
 
+MODELS = ("distances", "direct")
 SEED = 5
 POSES = 600  # of each subject, drawn again where it has fewer: every body counts alike
 VIEWS = 8  # of each pose, for uncertainty
 LEG_BONES = slice(7, 13)  # from the neck to the ankles, both sides: half of their sum counts
 JOINT_TYPE = ("head", "neck", "shoulder", "elbow", "wrist", "hip", "knee", "ankle")
+
+
+class Lifter(Protocol):
+    """The library, or what stands for it."""
+
+    def lift(self, keypoints: np.ndarray) -> Poses:
+        """Poses of keypoints [F,14,3]."""
 
 
 # ---- People ----------------------------------------------------------------------------------
@@ -57,23 +69,23 @@ def bone_ranges(people: Bodies) -> dict[str, tuple[float, float]]:
 
 # ---- Quality ---------------------------------------------------------------------------------
 
-FEATURES = ("margin", "residual", "misfit", "missing", "bones")
-CLAMPS = {"margin": 2.0, "residual": 0.5, "misfit": 0.5, "missing": 4.0, "bones": 4.0}
+# What quality is computed from, and the limits that it is clamped to.  Tried and left out, because
+# they told nothing more of people held out, or hardly: how far the finished pose is from the image,
+# how far the trunk, arms and legs point at the camera, which way the body faces, how large it is,
+# and whether arms or legs are hidden.
+CLAMPS = {"misfit": 0.5, "missing": 4.0, "bones": 4.0, "side": 1.0}
+FEATURES = tuple(CLAMPS)
+KEPT = 0.9  # the quality above which the report counts poses
 
 
-def misfit(joints: np.ndarray, keypoints: np.ndarray) -> np.ndarray:
-    """RMS difference [F] in metres of the seen joints of poses [F,14,3], seen orthographically,
-    from keypoints [F,14,3] at their best scale and place."""
-    seen = keypoints[..., 2:] > 0
-    count = seen.sum((1, 2))
-
-    def centred(points: np.ndarray) -> np.ndarray:
-        mean = (points * seen).sum(1) / count[:, None]
-        return (points - mean[:, None]) * seen
-
-    p, q = centred(joints[..., :2]), centred(keypoints[..., :2])
-    scale = np.maximum((p * q).sum((1, 2)), 0) / (q**2).sum((1, 2))
-    return np.sqrt(((p - scale[:, None, None] * q) ** 2).sum((1, 2)) / count)
+def side_view(joints: np.ndarray) -> np.ndarray:
+    """How far people [F,14,3] are seen from the side [F]: the share along the line of sight of the
+    line from the torso's right to its left, 0 to 1.  Depths of limbs are surer then."""
+    left, right = (
+        joints[:, indices((f"{side}_shoulder", f"{side}_hip"))].sum(1) for side in ("left", "right")
+    )
+    across = left - right
+    return np.abs(across[:, 2]) / np.maximum(np.linalg.norm(across, axis=1), 1e-9)
 
 
 def length_violation(joints: np.ndarray, allowed: dict[str, tuple[float, float]]) -> np.ndarray:
@@ -86,17 +98,14 @@ def length_violation(joints: np.ndarray, allowed: dict[str, tuple[float, float]]
     return np.sum(parts, 0)
 
 
-def features(
-    poses: Poses, keypoints: np.ndarray, allowed: dict[str, tuple[float, float]]
-) -> np.ndarray:
-    """What quality is computed from, [F,5]."""
+def features(poses: Poses, allowed: dict[str, tuple[float, float]]) -> np.ndarray:
+    """What quality is computed from, [F,4]."""
     joints = poses.joints.astype(float)
     values = {
-        "margin": poses.mirror_margin,
-        "residual": poses.residual,
-        "misfit": misfit(joints, keypoints),
-        "missing": (keypoints[..., 2] <= 0).sum(1),
+        "misfit": poses.misfit,
+        "missing": (~poses.seen).sum(1),
         "bones": length_violation(joints, allowed),
+        "side": side_view(joints),
     }
     return np.stack([np.minimum(values[name], CLAMPS[name]) for name in FEATURES], 1)
 
@@ -106,8 +115,25 @@ def sigmoid(score: np.ndarray) -> np.ndarray:
     return (1 + score / np.hypot(1, score)) / 2
 
 
-def fit_quality(x: np.ndarray, good: np.ndarray) -> dict[str, float]:
-    """Weights and constant of the score whose sigmoid is the likeliest chance of a good pose."""
+@dataclass(frozen=True)
+class Sample:
+    """What a model makes of a file's people, in every view: N poses."""
+
+    title: str
+    x: np.ndarray  # [N,4] features
+    good: np.ndarray  # [N] bool
+
+
+def quality_of(x: np.ndarray, weights: dict[str, float]) -> np.ndarray:
+    """The quality [N] of features [N,4]."""
+    return sigmoid(x @ np.array([weights[name] for name in FEATURES]) + weights["constant"])
+
+
+def fit_quality(samples: Sequence[Sample]) -> dict[str, float]:
+    """Weights and constant of the score whose sigmoid is the likeliest chance of a good pose; all
+    samples count alike."""
+    x, good = (np.concatenate([getattr(s, name) for s in samples]) for name in ("x", "good"))
+    share = np.concatenate([np.full(len(s.x), 1 / len(s.x) / len(samples)) for s in samples])
     mean, spread = x.mean(0), x.std(0)
     z = np.c_[(x - mean) / spread, np.ones(len(x))]
 
@@ -115,7 +141,7 @@ def fit_quality(x: np.ndarray, good: np.ndarray) -> dict[str, float]:
         score = z @ weights
         chance = np.clip(sigmoid(score), 1e-9, 1 - 1e-9)
         slope = np.where(good, -1 / chance, 1 / (1 - chance)) / np.hypot(1, score) ** 3 / 2
-        return -np.log(np.where(good, chance, 1 - chance)).mean(), z.T @ slope / len(z)
+        return -(share * np.log(np.where(good, chance, 1 - chance))).sum(), z.T @ (share * slope)
 
     found = minimize(loss, np.zeros(z.shape[1]), jac=True).x
     weights = found[:-1] / spread
@@ -151,16 +177,21 @@ def draw_hidden(count: int, rng: np.random.Generator) -> np.ndarray:
     return seen
 
 
-def uncertainty(library: Library, joints: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def uncertainty(
+    lifters: Sequence[Lifter], joints: np.ndarray, rng: np.random.Generator
+) -> np.ndarray:
     """Mean errors in mm of a kind of joint [8,9]: seen, by how many are not (0 to 4); not seen,
     with all its neighbours seen; not seen, without, by how many are not (2 to 4)."""
     truth = cameras.look(np.tile(joints, (VIEWS, 1, 1)), rng)
-    seen = draw_hidden(len(truth), rng)
+    hidden = draw_hidden(len(truth), rng)
     points = cameras.detector_noise(cameras.project(truth), rng)
-    poses = library.lift(cameras.keypoints(points, seen))
-    fine = poses.status == "ok"
-    seen = seen[fine]
-    error = 1000 * rigid_errors(poses.joints[fine].astype(float), truth[fine])
+    errors, masks = [], []
+    for lifter in lifters:
+        poses = lifter.lift(cameras.keypoints(points, hidden))
+        fine = poses.status == "ok"
+        masks.append(hidden[fine])
+        errors.append(1000 * rigid_errors(poses.joints[fine].astype(float), truth[fine]))
+    seen, error = np.concatenate(masks), np.concatenate(errors)
     missing = np.broadcast_to((~seen).sum(1)[:, None], seen.shape)
     alone, lost = MAX_MISSING + 1, MAX_MISSING + missing
     state = np.where(seen, missing, np.where(has_hidden_neighbour(seen), lost, alone))
@@ -182,18 +213,26 @@ def draw_people(motion: Motion, rng: np.random.Generator) -> np.ndarray:
     return cameras.vary_bodies(motion.joints[np.concatenate(each)].astype(float), rng)
 
 
-def quality_data(
-    library: Library, joints: np.ndarray, allowed: dict[str, tuple[float, float]]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Features [N,5] and errors [N] in metres of poses seen in every way of the protocol."""
-    x, errors = [], []
+def sample(
+    title: str, lifter: Lifter, joints: np.ndarray, allowed: dict[str, tuple[float, float]]
+) -> Sample:
+    """Poses seen in every way of the protocol."""
+    x, good = [], []
     for column in views(joints, SEED).values():
-        poses = library.lift(column.keypoints)
+        poses = lifter.lift(column.keypoints)
         fine = poses.status == "ok"
-        x.append(features(poses, column.keypoints, allowed)[fine])
+        x.append(features(poses, allowed)[fine])
         error = rigid_errors(poses.joints[fine].astype(float), column.truth[fine])
-        errors.append(error.mean(1))
-    return np.concatenate(x), np.concatenate(errors)
+        good.append(error.mean(1) < GOOD)
+    return Sample(title, np.concatenate(x), np.concatenate(good))
+
+
+def widest(ranges: Sequence[dict[str, tuple[float, float]]]) -> dict[str, tuple[float, float]]:
+    """What is within any of these ranges."""
+    return {
+        kind: (min(r[kind][0] for r in ranges), max(r[kind][1] for r in ranges))
+        for kind in ranges[0]
+    }
 
 
 @dataclass(frozen=True)
@@ -206,25 +245,40 @@ class Constants:
     quality: dict[str, float]
     uncertainty: np.ndarray
     disagreement: float  # largest ratio of the heights that bones of one person stand for
+    kept: dict[str, tuple[float, float]]  # above KEPT: share of a sample's poses, and of good ones
 
 
-def fit(library: Library, motion: Motion) -> Constants:
-    """All constants."""
+def fit(lifters: dict[str, Lifter], motions: Sequence[Motion]) -> Constants:
+    """All constants, of models by their names and files of people."""
     rng = np.random.default_rng(SEED)
-    ankle = ankle_height(motion)
-    people = bodies(motion, ankle)
-    share = shares(people)
-    joints = draw_people(motion, rng)
-    x, error = quality_data(library, joints, bone_ranges(people))
-    own = np.concatenate([by_type(people.bone)[kind] / share[kind] for kind in BONE_TYPE], 1)
+    ankle = ankle_height(motions[0])
+    people = [bodies(motion, ankle) for motion in motions]
+    share = shares(people[0])
+    allowed = widest([bone_ranges(some) for some in people])
+    drawn = [draw_people(motion, rng) for motion in motions]
+    samples = [
+        sample(f"{name}, {motion.source}", lifter, joints, allowed)
+        for name, lifter in lifters.items()
+        for motion, joints in zip(motions, drawn, strict=True)
+    ]
+    weights = fit_quality(samples)
+    bones = by_type(np.concatenate([some.bone for some in people]))
+    own = np.concatenate([bones[kind] / share[kind] for kind in BONE_TYPE], 1)
     return Constants(
         ankle,
         share,
-        bone_ranges(people),
-        fit_quality(x, error < GOOD),
-        uncertainty(library, joints, rng),
+        allowed,
+        weights,
+        uncertainty([*lifters.values()], np.concatenate(drawn), rng),
         float((own.max(1) / own.min(1)).max()),
+        {s.title: kept(s, weights) for s in samples},
     )
+
+
+def kept(of: Sample, weights: dict[str, float]) -> tuple[float, float]:
+    """Share of poses above KEPT, and of good ones among them."""
+    above = quality_of(of.x, weights) > KEPT
+    return float(above.mean()), float(of.good[above].mean()) if above.any() else float("nan")
 
 
 def report(found: Constants) -> str:
@@ -236,6 +290,10 @@ def report(found: Constants) -> str:
     lines += [f"  {kind} {low:.2f} {high:.2f}" for kind, (low, high) in found.bone_range.items()]
     lines += ["quality.h: weights"]
     lines += [f"  {name} {weight:.3f}" for name, weight in found.quality.items()]
+    lines += [f"  above {KEPT}, and of these under {1000 * GOOD:.0f} mm:"]
+    lines += [
+        f"  {title}: {100 * a:.1f} %, {100 * b:.1f} %" for title, (a, b) in found.kept.items()
+    ]
     lines += ["uncertainty.c, mm"]
     lines += [
         f"  {kind} " + ", ".join(map(str, row))
@@ -248,11 +306,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
-    parser.add_argument("--model", default="fconn_f32")
+    parser.add_argument("motion", type=Path, nargs="+", help=".npz or folder of motion capture")
+    parser.add_argument("--models", nargs="+", default=MODELS, help="(%(default)s)")
     args = parser.parse_args()
     try:
-        found = fit(Library(args.model), load_motion(args.motion))
+        lifters = {model: Library(f"{model}_f32") for model in args.models}
+        found = fit(lifters, [load_motion(path) for path in args.motion])
     except (MocapError, OSError, ValueError) as error:
         print(f"body: {error}", file=sys.stderr)
         return 1

@@ -44,9 +44,9 @@ def fit(points: np.ndarray) -> np.ndarray:
 
 def training_points(motion: Motion) -> np.ndarray:
     """A view of each pose [F,14,2], drawn as in training; the same each time."""
-    recipe = dataclasses.replace(RECIPES["mds"], masks=False)
-    keypoints, _ = draw_2d(motion.joints, recipe, np.random.default_rng([0, 1 << 33]))
-    return keypoints[..., :2].astype(float)
+    recipe = dataclasses.replace(RECIPES["distances"], masks=False)
+    views = draw_2d(motion.joints, recipe, np.random.default_rng([0, 1 << 33]))
+    return views.keypoints[..., :2].astype(float)
 
 
 def header(table: np.ndarray, motion: Motion) -> str:
