@@ -1,13 +1,13 @@
-"""The paper's recipes and the steps from them to ours: trains each, and measures it through C.
+"""What each part of the networks and of their training gives, on people held out.
 
-    run.py experiments.ablations TRAIN TEST [--recipes NAMES] [--epochs N] [--out build/recipes]
-                     [--json docs/accuracy/recipes.json] [--update docs/accuracy-log.md]
+    run.py experiments.ablations --train MOTION ... [--recipes NAMES] [--epochs 60]
+                     [--out build/recipes] [--json docs/accuracy/recipes.json]
+                     [--update docs/accuracy-log.md]
 
-The paper trains by L2 with dropout, on exact 2D, on a detector's or on both (its table 1), with
-joints hidden or not (its tables of occlusion).  Both of its networks are as large as they ship; the
-weights become C and a library is built of them, so that poses are those a device would compute.
-TRAIN and TEST are .npz files or folders of motion capture.  A run goes on where its
-checkpoint (NAME.state in OUT) left off.
+First the paper's FConn, from the paper's training (L2 with dropout, section 3.2) to ours; then the
+networks of the library without one part, or trained without one thing.  All are equally long, and
+measured where training watches them, in its own arithmetic.  Motion is .npz files or folders of
+motion capture, CMU's first.  A run goes on where its checkpoint (in OUT) left off.
 """
 
 import argparse
@@ -18,91 +18,135 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from data.mocap import MocapError, Motion, load_motion
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from data.mocap import MocapError, load_motion
 from data.paths import DOCS
-from edmlift.joints import JOINTS
-from evaluation.measures import chosen, evaluate, rounded
-from export.build import build_library
-from export.layers import ExportError
+from experiments.runs import HELD_OUT, finish
+from model import jax_stages, lifter
 from model.manifest import write_manifest
 from reports import markdown
-from training.manifest import MAX_ASPECT, write
-from training.recipe import MAX_MISSING, RECIPES, Recipe, scale_epochs
-from training.run import Run, by_column, origin, train
+from training.loss import NETWORKS, Loss, Params, lifter_losses, mean_errors, validate
+from training.recipe import RECIPES, Recipe, scale_epochs
+from training.run import Run, origin, split
+from training.views import Views, imputation_of
 
 RESULTS = DOCS / "accuracy" / "recipes.json"
+SHOWN = ("gt", "gt_camera", "n10", "cpm", "cpm_camera", "left_leg", "gt_up_camera")  # in the table
+NOTHING = -1e6  # a gate that leaves the image alone
+
+
+@dataclasses.dataclass(frozen=True)
+class Part(Recipe):
+    """A recipe of an equivariant network; "frame", "mask", "gates", "image" or "scaling" is what
+    it goes without."""
+
+    without: str = ""
+
+
+def part(kind: str, **changes: Any) -> Part:
+    """The recipe of a kind of network, but for the changes."""
+    return Part(**dataclasses.asdict(RECIPES[kind]) | changes)
+
 
 paper = functools.partial(dataclasses.replace, RECIPES["paper"])
-l2 = functools.partial(
-    dataclasses.replace, RECIPES["l2"], network="fconn", impute=False, l2_epochs=500
-)
-through = functools.partial(l2, l2_epochs=20, mds_epochs=480)
-ours = functools.partial(through, fuse=True, impute=True, network="equivariant")
-fconv = functools.partial(paper, network="fconv", l2_epochs=30)
 detector = {"detector": 1.0, "least": 1.0}  # as noisy as the column cpm, always
+unshaped = {"direction_weight": 0.0, "flexion_weight": 0.0, "straight_weight": 0.0}
 
-# Each row changes the one above it, or the first; those of FConv, the first of them.
-ABLATIONS = {
-    "the paper's, exact 2D": paper(),
-    "the paper's, detector's noise": paper(iid=0.0, **detector),
-    "the paper's, both": paper(**detector),
-    "the paper's, both, joints hidden": paper(masks=True, **detector),
-    "without dropout": paper(masks=True, dropout=0.0, **detector),
-    "our noise, bodies and motion, L2": l2(batch=128),
-    "through the MDS": through(batch=128),
-    "fused with the image, batches of 64": through(fuse=True),
-    "missing joints imputed": through(fuse=True, impute=True),
-    "left and right alike": ours(),
-    "in the camera's axes as well": ours(rigid=0.7),
-    "missing joints imputed, as long as FConv": through(
-        fuse=True, impute=True, l2_epochs=5, mds_epochs=25
-    ),
-    "left and right alike, as long as FConv": ours(l2_epochs=5, mds_epochs=25),
-    "FConv: the paper's, exact 2D": fconv(),
-    "FConv: the paper's, detector's noise": fconv(iid=0.0, **detector),
-    "FConv: the paper's, both": fconv(**detector),
-    "FConv: the paper's, both, joints hidden": fconv(masks=True, **detector),
+# Each row of FConn changes the one above it; those of ours, the first of them.
+ABLATIONS: dict[str, Recipe] = {
+    "FConn: the paper's, exact 2D": paper(),
+    "FConn: the paper's, both exact and detector's": paper(**detector),
+    "FConn: joints hidden": paper(masks=True, **detector),
+    "FConn: without dropout": paper(masks=True, dropout=0.0, **detector),
+    "FConn: our views, bodies and motion": RECIPES["l2"],
+    "FConn: through the MDS and the image": RECIPES["fconn"],
+    "distances": part("distances"),
+    "distances: in the image's own axes": part("distances", without="frame"),
+    "distances: one gate for all joints": part("distances", without="gates"),
+    "distances: read and learned, not scaled": part("distances", without="scaling"),
+    "direct": part("direct"),
+    "direct: in the image's own axes": part("direct", without="frame"),
+    "direct: one gate for all joints": part("direct", without="gates"),
+    "direct: not moved to the image": part("direct", without="image"),
+    "direct: not told what is missing": part("direct", without="mask"),
+    "direct: never told of up": part("direct", up=0.0),
+    "direct: CMU's people alone": part("direct", others=0.0),
+    "direct: half of other laboratories": part("direct", others=0.5),
+    "direct: no camera near": part("direct", near=0.0),
+    "direct: no other joint definitions": part("direct", redefined=0.0, adapted=0.0),
+    "direct: limbs not mixed": part("direct", mix=0.0),
+    "direct: error aligned alone": part("direct", rigid=1.0),
+    "direct: error in camera axes alone": part("direct", rigid=0.0),
+    "direct: no directions, no flexions": part("direct", **unshaped),
 }
 
 
-def run_recipe(motion: Motion, recipe: Recipe, seed: int, weights: Path) -> Run:
-    """Trains to the last epoch and writes weights and manifest."""
-    run = Run(motion, recipe, seed)
-    state = weights.with_suffix(".state")
-    if state.exists():
-        run.load_state(state)
-    train(run, motion, state)
-    write(run, weights.stem, [], weights)
-    # The paper's networks get poses with joints missing, whatever they were trained on.
-    manifest = json.loads(weights.with_suffix(".json").read_text())
-    manifest["fewest_joints"] = len(JOINTS) - MAX_MISSING
-    manifest["max_aspect"] = MAX_ASPECT
-    write_manifest(weights.with_suffix(".json"), manifest)
-    return run
+def lift(recipe: Part, params: Params, views: Views) -> tuple[jax.Array, lifter.Output]:
+    """loss.lift() without the part."""
+    image = jax_stages.body_frame(
+        views.keypoints, imputation_of(recipe), upright=recipe.without == "frame"
+    )
+    told = image._replace(seen=jnp.ones_like(image.seen)) if recipe.without == "mask" else image
+    output = lifter.run(recipe.network, params, told, views.up)
+    if recipe.without == "gates":
+        output = output._replace(gates=params["share"] * jnp.ones_like(output.gates))
+    elif recipe.without == "image":
+        output = output._replace(gates=jnp.full_like(output.gates, NOTHING))
+    kept = output._replace(distances=None) if recipe.without == "scaling" else output
+    return lifter.poses(params, image, kept), output
 
 
-def entry(run: Run, weights: Path, test: Motion) -> dict[str, Any]:
-    """A recipe's entry in the JSON: what it is, and its figures through the library."""
-    library = build_library(weights, weights.with_suffix(""))
-    figures = rounded(evaluate(library, test))
+@functools.partial(jax.jit, static_argnums=0)
+def errors(recipe: Part, params: Params, views: Views) -> tuple[jax.Array, jax.Array]:
+    """As loss.block_errors() has them."""
+    pose, _ = lift(recipe, params, views)
+    return mean_errors(pose, views.truth, mirror=False)
+
+
+class PartRun(Run):
+    """The training of a network without a part."""
+
+    recipe: Part
+
+    def losses(self) -> tuple[Loss, Loss]:
+        return lifter_losses(self.recipe, lift)
+
+    def start(self) -> Params:
+        share = {"share": jnp.array(0.1)} if self.recipe.without == "gates" else {}
+        return super().start() | share
+
+    def validate(self, columns: dict[str, Views], subject: np.ndarray) -> dict[str, float]:
+        return validate(functools.partial(errors, self.recipe, self.params), columns, subject)
+
+
+def entry(run: Run) -> dict[str, Any]:
+    """A recipe's entry in the JSON: what it is, and its errors."""
+    row = run.curve[run.epochs]
+    if run.recipe.network in NETWORKS and not run.recipe.fuse:  # not in the camera's axes
+        row = {name: value for name, value in row.items() if not name.endswith("_camera")}
     return {
         "recipe": {"seed": run.seed} | dataclasses.asdict(run.recipe),
-        "data": origin(run.motion, []),
-        "training_people": by_column(run.curve),
-        "test": {"source": test.source, "poses": len(test.joints), "sha256": test.sha256},
-        "figures": chosen(figures, ("error", "interval", "hidden_joints")),
+        "data": origin(run.motions, HELD_OUT),
+        "validation": row,
     }
 
 
 def report(results: dict[str, dict]) -> str:
-    """Two tables, a row a recipe: errors of all joints; and, where some are hidden, of these."""
-    figures = {title: entry["figures"] for title, entry in results.items()}
-    columns = list(next(iter(figures.values())))
-    errors = {title: [row[c]["error"] for c in columns] for title, row in figures.items()}
-    some = [c for c in columns if "hidden_joints" in next(iter(figures.values()))[c]]
-    hidden = {title: [row[c]["hidden_joints"] for c in some] for title, row in figures.items()}
-    first = markdown.table("all joints, mm", columns, errors)
-    return first + "\n" + markdown.table("hidden joints, mm", some, hidden)
+    """A table for each motion of the people held out, a row a recipe."""
+    names = next(iter(results.values()))["validation"]
+    stems = dict.fromkeys(name.rpartition(" ")[0] for name in names if " " in name)
+    heads = [name.replace("_camera", ", camera axes").replace("gt_up", "up") for name in SHOWN]
+    tables = []
+    for stem in stems:
+        rows = {
+            title: [entry["validation"].get(f"{stem} {name}") for name in SHOWN]
+            for title, entry in results.items()
+        }
+        tables.append(markdown.table(f"{stem}, people held out, mm", heads, rows))
+    return "\n".join(tables)
 
 
 def record(path: Path, entries: dict[str, dict]) -> dict[str, dict]:
@@ -117,15 +161,16 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("train", type=Path, help="motion to train on")
-    parser.add_argument("test", type=Path, help="motion of other people, to measure on")
+    parser.add_argument(
+        "--train", type=Path, nargs="+", metavar="MOTION", required=True, help="CMU's first"
+    )
     parser.add_argument(
         "--recipes", nargs="+", choices=ABLATIONS, metavar="NAME", default=list(ABLATIONS)
     )
-    parser.add_argument("--epochs", type=int, help="instead of the recipes'")
-    parser.add_argument("--out", type=Path, default=Path("build/recipes"), help="for weights")
+    parser.add_argument("--epochs", type=int, default=60, help="of each run (%(default)s)")
+    parser.add_argument("--out", type=Path, default=Path("build/recipes"), help="for checkpoints")
     parser.add_argument("--json", type=Path, default=RESULTS, help="for results (%(default)s)")
-    parser.add_argument("--update", type=Path, help="Markdown with marks for the table")
+    parser.add_argument("--update", type=Path, help="Markdown with marks for the tables")
     parser.add_argument("--seed", type=int, default=0)
     return parser.parse_args()
 
@@ -133,15 +178,15 @@ def arguments() -> argparse.Namespace:
 def main() -> int:
     args = arguments()
     try:
-        motion, test = load_motion(args.train), load_motion(args.test)
+        motions, held = split([load_motion(path) for path in args.train], HELD_OUT)
         args.out.mkdir(parents=True, exist_ok=True)
         for name in args.recipes:
             print(name, file=sys.stderr)
-            weights = args.out / f"{list(ABLATIONS).index(name)}.npz"
             recipe = scale_epochs(ABLATIONS[name], args.epochs)
-            run = run_recipe(motion, recipe, args.seed, weights)
-            results = record(args.json, {name: entry(run, weights, test)})
-    except (MocapError, ExportError, ValueError, FloatingPointError, OSError) as error:
+            run = (PartRun if isinstance(recipe, Part) else Run)(motions, recipe, args.seed)
+            state = args.out / f"{list(ABLATIONS).index(name)}.state"
+            results = record(args.json, {name: entry(finish(run, held, state))})
+    except (MocapError, ValueError, FloatingPointError, OSError) as error:
         print(f"ablations: {error}", file=sys.stderr)
         return 1
     text = report(results)

@@ -1,19 +1,18 @@
-"""The library's network and its rivals on every training person, by networks that never saw them.
+"""The library's networks and their rivals on every training person, none of whom they know.
 
-    run.py experiments.folds TRAIN [--folds 6] [--epochs 240] [--out build/people]
+    run.py experiments.folds --train MOTION ... [--folds 6] [--epochs 60] [--out build/people]
                        [--json docs/accuracy/people.json] [--update docs/accuracy-log.md]
                        [--plots docs/accuracy]
 
-The people of the test set are few, and which network is ahead may depend on who they are.  Here
-the people of TRAIN, an .npz file or a folder of motion capture, are dealt into folds; each
-network is trained on all folds but one, by its own recipe, but shorter and all equally long, and
-measured on that one.  The library's poses come out of C.
+The people of the test sets are few, and which network is ahead may depend on who they are.  Here
+the people of all motions, .npz files or folders of motion capture, CMU's first, are dealt into
+folds; each network is trained on all folds but one, by its own recipe, but shorter and all equally
+long, and measured on that one.  The library's poses come out of C.
 
 A run goes on where it was cut off: a finished fold is FOLD.json in OUT.
 """
 
 import argparse
-import dataclasses
 import json
 import sys
 from collections.abc import Iterator
@@ -26,17 +25,18 @@ from data.paths import DOCS
 from data.views import views
 from evaluation.baselines import TITLES
 from evaluation.measures import Lifter, person_errors
-from experiments import ablations, rivals
-from export.build import build_library
+from experiments import rivals
+from experiments.runs import finish, library_of
 from export.layers import ExportError
 from model.manifest import write_manifest
 from reports import markdown, plots
 from training.recipe import RECIPES, scale_epochs
-from training.run import origin, split
+from training.run import Run, origin, split
 
 RESULTS = DOCS / "accuracy" / "people.json"
-LIBRARY = "edmlift"
-RIVALS = {TITLES[name]: rivals.RIVALS[name] for name in ("mlp40k", "mlp40k_guess")}
+LIBRARY = "edmlift"  # how titles of its networks begin
+OURS = {f"{LIBRARY}, {kind}": RECIPES[kind] for kind in ("distances", "direct")}
+RIVALS = {TITLES[name]: rivals.RIVALS[name] for name in ("mlp40k", "equivariant40k")}
 PLOTTED = "gt"  # the column of the picture
 
 Errors = dict[str, dict[str, dict[str, float]]]  # network -> column -> person -> mm
@@ -52,35 +52,34 @@ def deal(subject: np.ndarray, folds: int) -> list[list[int]]:
 
 
 def lifters(
-    rest: Motion, held: Motion, epochs: int, folder: Path, seed: int
+    rest: list[Motion], held: list[Motion], epochs: int, folder: Path, seed: int
 ) -> Iterator[tuple[str, Lifter]]:
     """(title, what lifts) of each network, trained on `rest`; `held` is only watched."""
-    recipe = scale_epochs(RECIPES["mds"], epochs)
-    weights = folder / "fconn.npz"
-    ablations.run_recipe(rest, recipe, seed, weights)
-    yield LIBRARY, build_library(weights, weights.with_suffix(""))
-    short = {t: dataclasses.replace(r, mds_epochs=epochs) for t, r in RIVALS.items()}
-    runs = {title: rivals.RivalRun(rest, recipe, seed) for title, recipe in short.items()}
-    rivals.train_all(runs, held, folder)
-    for title, run in runs.items():
-        yield title, run.settle()
+    for title, recipe in OURS.items():
+        weights = folder / f"{recipe.network}.npz"
+        run = Run(rest, scale_epochs(recipe, epochs), seed)
+        yield title, library_of(finish(run, held, weights.with_suffix(".state")), weights)
+    for title, recipe in RIVALS.items():
+        run = rivals.RivalRun(rest, scale_epochs(recipe, epochs), seed)
+        yield title, finish(run, held, folder / f"{recipe.network}.state").settle()
 
 
-def measure_fold(motion: Motion, people: list[int], args: argparse.Namespace) -> Errors:
+def measure_fold(motions: list[Motion], people: list[int], args: argparse.Namespace) -> Errors:
     """All networks, trained on the others, on these people; or what an earlier run found."""
     folder = args.out / "_".join(map(str, people))
     done = folder.with_suffix(".json")
-    about = {"data": motion.sha256, "epochs": args.epochs, "seed": args.seed}
+    about = {"epochs": args.epochs, "seed": args.seed, "data": [m.sha256 for m in motions]}
     if done.exists():
         found = json.loads(done.read_text())
         if found["about"] != about:
             raise ValueError(f"{done}: of another run; remove it to start anew")
         return found["errors"]
     folder.mkdir(parents=True, exist_ok=True)
-    rest, held = split(motion, people)
-    columns = views(held.joints)
+    rest, held = split(motions, people)
+    columns = views(np.concatenate([motion.joints for motion in held]))
+    subject = np.concatenate([motion.subject for motion in held])
     errors = {
-        title: {name: person_errors(lifter, c, held.subject) for name, c in columns.items()}
+        title: {name: person_errors(lifter, c, subject) for name, c in columns.items()}
         for title, lifter in lifters(rest, held, args.epochs, folder, args.seed)
     }
     done.write_text(json.dumps({"about": about, "errors": errors}))
@@ -97,13 +96,16 @@ def merged(folds: list[Errors]) -> Errors:
 
 def report(errors: Errors) -> str:
     """Two tables: means over people; and for how many of them the library is ahead of a rival."""
-    library = errors[LIBRARY]
-    columns, count = list(library), len(library[PLOTTED])
+    ours = [title for title in errors if title.startswith(LIBRARY)]
+    columns, count = list(errors[ours[0]]), len(errors[ours[0]][PLOTTED])
     means = {t: [float(np.mean([*row[c].values()])) for c in columns] for t, row in errors.items()}
     ahead = {
-        f"against {title}": [sum(e < row[c][p] for p, e in library[c].items()) for c in columns]
+        f"{mine} against {title}": [
+            sum(e < row[c][p] for p, e in errors[mine][c].items()) for c in columns
+        ]
+        for mine in ours
         for title, row in errors.items()
-        if title != LIBRARY
+        if title not in ours
     }
     first = markdown.table("people held out, mm", columns, means)
     return first + "\n" + markdown.table(f"ahead for, of {count} people", columns, ahead)
@@ -113,9 +115,11 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("train", type=Path, help="motion to train and to measure on")
+    parser.add_argument(
+        "--train", type=Path, nargs="+", metavar="MOTION", required=True, help="CMU's first"
+    )
     parser.add_argument("--folds", type=int, default=6, help="of the people (%(default)s)")
-    parser.add_argument("--epochs", type=int, default=240, help="of each run (%(default)s)")
+    parser.add_argument("--epochs", type=int, default=60, help="of each run (%(default)s)")
     parser.add_argument("--out", type=Path, default=Path("build/people"), help="for weights")
     parser.add_argument("--json", type=Path, default=RESULTS, help="for results (%(default)s)")
     parser.add_argument("--update", type=Path, help="Markdown with marks for the tables")
@@ -127,18 +131,18 @@ def arguments() -> argparse.Namespace:
 def main() -> int:
     args = arguments()
     try:
-        motion = load_motion(args.train)
-        folds = deal(motion.subject, args.folds)
+        motions = [load_motion(path) for path in args.train]
+        folds = deal(np.concatenate([motion.subject for motion in motions]), args.folds)
         done = []
         for number, people in enumerate(folds):
             print(f"fold {number + 1} of {len(folds)}: people {people}", file=sys.stderr)
-            done.append(measure_fold(motion, people, args))
+            done.append(measure_fold(motions, people, args))
     except (MocapError, ExportError, ValueError, FloatingPointError, OSError) as error:
         print(f"folds: {error}", file=sys.stderr)
         return 1
     errors = merged(done)
     result = {
-        "data": origin(motion, []),
+        "data": origin(motions, []),
         "folds": folds,
         "epochs": args.epochs,
         "seed": args.seed,

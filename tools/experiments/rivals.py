@@ -1,13 +1,14 @@
 """Trains the rivals that go from 2D joints straight to 3D joints, and measures them.
 
-    run.py experiments.rivals TRAIN TEST [--rivals NAMES] [--epochs N] [--out build/rivals]
-    run.py experiments.rivals TRAIN TEST --trials --update docs/accuracy-log.md
+    run.py experiments.rivals --train MOTION ... --test MOTION ... [--rivals NAMES] [--epochs N]
+                       [--out build/rivals] [--json docs/accuracy/rivals.json]
+    run.py experiments.rivals --train MOTION ... --trials --update docs/accuracy-log.md
 
-Bodies, cameras, noise, missing joints and the balance of subjects are those of tools/training/; one
-drawn epoch feeds all networks.  TRAIN and TEST are .npz files or folders of motion capture.  The
-figures go into the JSON from which `evaluate.py accuracy` takes their rows.
+They get what the library's networks get: the same people, cameras, noise, missing joints, bodies,
+losses, and averaging of weights.  Motion is an .npz file or a folder of motion capture, CMU's
+first.  The figures go into the JSON from which `evaluate.py accuracy` takes their rows.
 
-With --trials, small changes are tried on people of TRAIN who are held out; TEST is not looked at.
+With --trials, small changes are tried on people of the training motion who are held out.
 A run goes on where its checkpoint (NAME.state in OUT) left off; a finished one is measured.
 """
 
@@ -16,279 +17,205 @@ import dataclasses
 import functools
 import json
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from tqdm import tqdm
 
 from data import cameras
 from data.mocap import MocapError, Motion, load_motion
-from edmlift.joints import JOINTS, mid_hip
 from edmlift.library import Poses
-from edmlift.metrics import rigid_errors
 from evaluation.baselines import TRAINED
-from evaluation.measures import by_subject, chosen, evaluate, rounded
-from model import coordinates, jax_stages
+from evaluation.measures import chosen, evaluate, rounded
+from experiments.runs import HELD_OUT, finish, in_blocks
+from model import coordinates, equivariant, jax_stages, lifter
 from model.manifest import write_manifest
 from reports import markdown
-from training.loss import Loss, Params
+from training.loss import Loss, Params, mean_errors, pose_errors, validate
 from training.recipe import RECIPES, Recipe
-from training.run import Run, every_nth, origin, split
-from training.views import Views, draw_2d, imputation_of, pick_poses, validation_set
+from training.run import Run, by_column, origin, split
+from training.views import Views, draw_2d, imputation_of, pick_poses
 
+# What a rival is: fully connected, the same in residual blocks (Martinez et al.), or left and right
+# alike, as the library's network `direct` is.
+NETWORKS = ("plain", "residual", "equivariant")
 
-@dataclasses.dataclass(frozen=True)
-class RivalRecipe(Recipe):
-    """How a rival is trained; `mds_epochs` are all of its epochs."""
+# The recipe of `direct`, but for what is in the lift around it.
+rival = functools.partial(dataclasses.replace, RECIPES["direct"], up=0.0, fuse=False)
+plain = functools.partial(rival, network="plain", hidden=(121,) * 3)
+alike = functools.partial(rival, network="equivariant", hidden=(90,) * 3)
 
-    hidden: tuple[int, ...] = (128, 128)
-    residual: bool = False  # batch normalisation, and a skip around each two layers
-    mask: bool = False  # which joints are seen is input as well
-
-    def recorded(self, seed: int) -> dict:
-        """What decides the weights, for the JSON."""
-        fields = dataclasses.asdict(self)
-        fields["epochs"] = fields.pop("mds_epochs")
-        unused = ("network", "l2_epochs", "distance_weight")
-        return {"seed": seed} | {k: v for k, v in fields.items() if k not in unused}
-
-
-def recipe(**changes: Any) -> RivalRecipe:
-    """FConn's recipe, but for the changes; the phase of L2 on distances has no counterpart."""
-    base = RECIPES["mds"]
-    fields = dataclasses.asdict(base) | {"l2_epochs": 0, "distance_weight": 0.0, "fuse": False}
-    fields |= {"rigid": 0.8, "impute": False}
-    fields["mds_epochs"] = base.l2_epochs + base.mds_epochs
-    return RivalRecipe(**fields | changes)
-
-
-martinez = functools.partial(
-    recipe, hidden=(1024,) * 5, residual=True, mds_epochs=150, batch=1024, average=0.99
-)
-
-RIVALS = {  # what was best of TRIALS
-    "mlp40k": recipe(hidden=(121,) * 3, mask=True, rate=3e-3, batch=128),
-    "mlp40k_guess": recipe(hidden=(121,) * 3, mask=True, rate=3e-3, batch=128, impute=True),
-    "mlp40k_blend": recipe(hidden=(121,) * 3, mask=True, rate=3e-3, fuse=True),
-    "mlp25k": recipe(hidden=(128, 128), rate=3e-3, batch=128),
-    "martinez": martinez(mask=True),
-}
-
-# On HELD_OUT people: what the loss is measured on, what tells missing joints, depth, rate, dropout.
-HELD_OUT = [3, 13, 91, 127]
-small = functools.partial(recipe, hidden=(167, 167), rigid=1.0, mds_epochs=100, batch=128)
-large = functools.partial(martinez, rigid=1.0, mask=True, mds_epochs=8)
-TRIALS = {
-    "40 K, camera axes": small(rigid=0.0),
-    "40 K, half aligned": small(rigid=0.5),
-    "40 K, 0.8 aligned": small(rigid=0.8),
-    "40 K, aligned": small(),
-    "40 K, aligned, mask": small(hidden=(162,) * 2, mask=True),
-    "40 K, aligned, three layers": small(hidden=(124,) * 3),
-    "40 K, aligned, rate 0.003": small(rate=3e-3),
-    "40 K, aligned, mask, three layers": small(hidden=(120,) * 3, mask=True),
-    "40 K, aligned, mask, rate 0.003": small(hidden=(162,) * 2, mask=True, rate=3e-3),
-    "40 K, aligned, all three": small(hidden=(120,) * 3, mask=True, rate=3e-3),
-    "40 K, 0.8 aligned, all three": small(hidden=(120,) * 3, mask=True, rate=3e-3, rigid=0.8),
-    "the same, missing joints imputed": small(
-        hidden=(120,) * 3, mask=True, rate=3e-3, rigid=0.8, impute=True
+RIVALS = {
+    "mlp40k": plain(mds_epochs=300, rate=2e-3, batch=128),
+    "equivariant40k": alike(mds_epochs=900, rate=2e-3, batch=128),
+    "martinez": rival(
+        network="residual", hidden=(1024,) * 5, mds_epochs=24, batch=1024, average=0.99
     ),
-    "4.3 M, no dropout": large(),
-    "4.3 M, dropout 0.1": large(dropout=0.1),
-    "4.3 M, dropout 0.5": large(dropout=0.5),
 }
-CURVE = 20  # points of the validation curve
-SAMPLE = 6000  # poses to validate on, about
-SETTLE = 8192  # training views by which batch normalisation is fixed
+
+# What rate and batch are best, on HELD_OUT people.
+TRIALS = {
+    f"{name}, rate {rate}, batches of {batch}": make(mds_epochs=60, rate=rate, batch=batch)
+    for name, make in (("40 K", plain), ("left and right alike", alike))
+    for rate, batch in ((1e-3, 64), (2e-3, 64), (3e-3, 128))
+}
+TRIED = ("gt", "gt_camera", "n10", "cpm", "left_leg")  # columns of their table
+UP_INPUTS = 4  # of `direct`, for up
+SETTLE = 8192  # training views by which inputs are standardised, and batches normalised
 
 
-def fused(points: jax.Array, keypoints: jax.Array, params: Params) -> jax.Array:
-    """Poses [B,14,3] moved to the image, if the parameters say how; about their mean."""
-    if "fusion" not in params:
-        return points
-    points = jax_stages.fuse(points, keypoints, params["fusion"])
-    return points - points.mean(1, keepdims=True)
+def upright(recipe: Recipe, keypoints: jax.Array) -> jax_stages.Image:
+    """What rivals see: the image upright as it is, missing joints imputed."""
+    return jax_stages.body_frame(keypoints, imputation_of(recipe), upright=True)
 
 
-def rival_loss(recipe: RivalRecipe) -> Loss:
-    """Mean joint error, metres; no parameter is observed instead of trained."""
-    imputation = imputation_of(recipe)
-
-    def loss(
-        params: Params, keypoints: jax.Array, truth: jax.Array, key: jax.Array
-    ) -> tuple[jax.Array, Params]:
-        x = coordinates.inputs(keypoints, recipe.mask, imputation)
-        layers = params["layers"]
-        points, _ = coordinates.forward(layers, x, recipe.residual, None, key, recipe.dropout)
-        points = fused(points, keypoints, params)
-        value = 0.0
-        if recipe.rigid > 0:
-            value += recipe.rigid * jax_stages.joint_errors(points, truth, mirror=False).mean()
-        if recipe.rigid < 1:
-            value += (1 - recipe.rigid) * coordinates.camera_errors(points, truth).mean()
-        return value, {}
-
-    return loss
+def nowhere(keypoints: jax.Array) -> jax.Array:
+    """For lifter.run(): up is not known."""
+    return jnp.zeros((len(keypoints), 3))
 
 
-@functools.partial(jax.jit, static_argnames="recipe")
-def predict(
+def poses(
+    recipe: Recipe,
     params: Params,
-    statistics: coordinates.Statistics | None,
     keypoints: jax.Array,
-    recipe: RivalRecipe,
+    statistics: coordinates.Statistics | None = None,
+    key: jax.Array | None = None,
 ) -> tuple[jax.Array, coordinates.Statistics]:
-    """Centred poses [B,14,3] of keypoints [B,14,3]; and the statistics of normalisation.
+    """Centred poses [B,14,3], camera axes, of keypoints [B,14,3]; and statistics of normalisation.
 
     These are measured on the keypoints where they are not given.
     """
-    x = coordinates.inputs(keypoints, recipe.mask, imputation_of(recipe))
-    points, used = coordinates.forward(params["layers"], x, recipe.residual, statistics)
-    return fused(points, keypoints, params), used
+    image = upright(recipe, keypoints)
+    if recipe.network == "equivariant":  # neither its gates nor up are used
+        return lifter.run("direct", params["layers"], image, nowhere(keypoints)).points, []
+    residual = recipe.network == "residual"
+    x = coordinates.inputs(image)
+    return coordinates.forward(params["layers"], x, residual, statistics, key, recipe.dropout)
+
+
+predict = jax.jit(poses, static_argnums=0)
+
+
+def parameters(recipe: Recipe, layers: Any) -> int:
+    """How many a rival has that matter."""
+    if recipe.network != "equivariant":
+        return coordinates.count(layers)
+    layout = lifter.layout("direct")
+    used = jnp.arange(len(layout.has_even)) < 3 * lifter.ROWS
+    layout = layout._replace(has_even=layout.has_even & used, has_odd=layout.has_odd & used)
+    ones = {name: jnp.ones_like(layers[name]) for name in layers if name[-1].isdigit()}
+    count = sum(int(array.sum()) for array in equivariant.masked(ones, layout).values())
+    return count - UP_INPUTS * recipe.hidden[0]
 
 
 class RivalRun(Run):
     """A rival's training."""
 
-    recipe: RivalRecipe
-
     def losses(self) -> tuple[Loss, Loss]:
-        return (rival_loss(self.recipe),) * 2
+        def loss(params: Params, batch: Views, key: jax.Array) -> tuple[jax.Array, Params]:
+            points, _ = poses(self.recipe, params, batch.keypoints, None, key)
+            return pose_errors(self.recipe, points, batch.truth), {}
+
+        return loss, loss
 
     def start(self) -> Params:
-        truth = cameras.look(self.motion.joints, np.random.default_rng(self.seed))
+        recipe, joints = self.recipe, self.motions[0].joints
+        if recipe.network == "equivariant":
+            keypoints = self.some_views()
+            image = upright(recipe, keypoints)
+            inputs = np.concatenate(lifter.inputs("direct", image, nowhere(keypoints)), 1)
+            return {"layers": lifter.init("direct", recipe.hidden, joints, inputs, self.seed)}
+        truth = cameras.look(joints, np.random.default_rng(self.seed))
         mean = (truth - truth.mean(1, keepdims=True)).mean(0)
-        widths = ((3 if self.recipe.mask else 2) * len(JOINTS), *self.recipe.hidden)
-        widths = (*widths, coordinates.OUTPUTS)
-        return {"layers": coordinates.init(widths, mean, self.recipe.residual, self.seed)}
+        widths = (coordinates.INPUTS, *recipe.hidden, coordinates.OUTPUTS)
+        residual = recipe.network == "residual"
+        return {"layers": coordinates.init(widths, mean, residual, self.seed)}
 
-    @property
-    def layers(self) -> coordinates.Params:
-        """The averaged weights."""
-        return self.params["layers"]
-
-    def draw(self, epoch: int) -> Views:
-        """The views of an epoch, keypoints and truth [F,14,3]: the same for all rivals."""
-        rng = np.random.default_rng([self.seed, epoch])
-        chosen = pick_poses(self.motion.subject, self.recipe, rng)
-        return draw_2d(self.motion.joints[chosen], self.recipe, rng)
-
-    def advance(self, views: Views) -> float:
-        """One epoch on views [F,14,3]; those that do not fill a batch are left out."""
-        shape = (self.steps, self.recipe.batch, len(JOINTS), 3)
-        return super().advance(tuple(a[: shape[0] * shape[1]].reshape(shape) for a in views))
+    def some_views(self) -> jax.Array:
+        """Keypoints [F,14,3] of training views."""
+        rng = np.random.default_rng([self.seed, 1 << 31])
+        joints = pick_poses(self.motions, self.recipe, rng)[:SETTLE]
+        return jnp.asarray(draw_2d(joints, self.recipe, rng).keypoints)
 
     def settle(self) -> "Rival":
         """The averaged weights, normalised by what they make of training views: exact, because
         running averages would belong to other weights."""
-        rng = np.random.default_rng([self.seed, 1 << 31])
-        chosen = pick_poses(self.motion.subject, self.recipe, rng)[:SETTLE]
-        keypoints, _ = draw_2d(self.motion.joints[chosen], self.recipe, rng)
-        _, statistics = predict(self.params, None, jnp.asarray(keypoints), self.recipe)
+        _, statistics = predict(self.recipe, self.params, self.some_views())
         return Rival(self.recipe, self.params, statistics)
+
+    def validate(self, columns: dict[str, Views], subject: np.ndarray) -> dict[str, float]:
+        return validate(self.settle().errors, columns, subject)
 
     def describe(self) -> str:
         """What a checkpoint must be of: also the motion."""
-        return json.dumps({"recipe": super().describe(), "motion": self.motion.sha256})
+        return json.dumps({"recipe": super().describe(), "motion": origin(self.motions, [])})
 
 
 @dataclasses.dataclass(frozen=True)
 class Rival:
     """A trained rival, ready to lift as the library does.  It answers every pose."""
 
-    recipe: RivalRecipe
+    recipe: Recipe
     params: Params
     statistics: coordinates.Statistics
 
     def lift(self, keypoints: np.ndarray) -> Poses:
         """keypoints [F,14,3] -> poses in camera axes, metres, about mid-hip."""
-        given = jnp.asarray(keypoints, jnp.float32)
-        points, _ = predict(self.params, self.statistics, given, self.recipe)
-        points = np.asarray(points, float)
-        return Poses.of(points - mid_hip(points)[:, None])
+        return in_blocks(self._points, keypoints)
+
+    def _points(self, keypoints: jax.Array) -> jax.Array:
+        return predict(self.recipe, self.params, keypoints, self.statistics)[0]
+
+    def errors(self, views: Views) -> tuple[jax.Array, jax.Array]:
+        """As loss.block_errors() has them."""
+        points = self._points(jnp.asarray(views.keypoints))
+        return mean_errors(points, jnp.asarray(views.truth), mirror=False)
 
 
-def validate(run: RivalRun, columns: dict, subject: np.ndarray) -> dict[str, float]:
-    """Error of each column in mm, rigidly aligned: the mean over subjects of their means."""
-    lifter, result = run.settle(), {}
-    for name, (keypoints, truth) in columns.items():
-        error = rigid_errors(lifter.lift(keypoints).joints, truth.astype(float)).mean(1)
-        result[name] = round(1000 * float(by_subject(error, subject).mean()), 2)
-    return result
-
-
-def train_all(runs: dict[str, RivalRun], held: Motion, folder: Path) -> None:
-    """Runs all to their last epochs, on the same views, with checkpoints and a progress bar."""
-    sample = every_nth(held, SAMPLE)
-    first = next(iter(runs.values()))
-    columns = validation_set(sample.joints, first.seed)
-    left = {name: run for name, run in runs.items() if run.epoch < run.epochs}
-    start = min((run.epoch for run in left.values()), default=0)
-    end = max((run.epochs for run in left.values()), default=0)
-    with ThreadPoolExecutor(1) as pool, tqdm(total=end, initial=start, unit="epoch") as bar:
-        following = pool.submit(first.draw, start)
-        for epoch in range(start, end):
-            views = following.result()
-            following = pool.submit(first.draw, epoch + 1)
-            for name, run in left.items():
-                if epoch == run.epoch < run.epochs:
-                    advance(run, views, columns, sample.subject, folder / f"{name}.state")
-            bar.update()
-            bar.set_postfix({n: [*r.curve.values()][-1]["gt"] for n, r in left.items() if r.curve})
-
-
-def advance(
-    run: RivalRun, views: Views, columns: dict[str, Views], subject: np.ndarray, state: Path
-) -> None:
-    """One epoch of a run; now and then a point of its curve, and a checkpoint."""
-    loss = run.advance(views)
-    if not np.isfinite(loss):
-        raise FloatingPointError(f"{state.stem}: loss is {loss} in epoch {run.epoch}")
-    if run.epoch % max(1, run.epochs // CURVE) == 0 or run.epoch == run.epochs:
-        run.curve[run.epoch] = validate(run, columns, subject)
-        run.save_state(state)
-
-
-def entry(run: RivalRun, held_out: list[int], test: Motion) -> dict[str, Any]:
-    """A rival's entry in the JSON: what it is, how it was trained, and its figures."""
-    figures = rounded(evaluate(run.settle(), test))
+def about(run: RivalRun, held_out: list[int]) -> dict[str, Any]:
+    """What a rival is, for the JSON."""
     return {
-        "parameters": coordinates.count(run.layers),
-        "recipe": run.recipe.recorded(run.seed),
-        "data": origin(run.motion, held_out),
-        # Rigidly aligned, mm; of people who were trained on, if none were held out.
-        "validation" if held_out else "training_people": run.curve,
-        "test": {"source": test.source, "poses": len(test.joints), "sha256": test.sha256},
-        "figures": chosen(figures, ("error", "interval")),
+        "parameters": parameters(run.recipe, run.params["layers"]),
+        "recipe": {"seed": run.seed} | dataclasses.asdict(run.recipe),
+        "data": origin(run.motions, held_out),
     }
 
 
-def tried(run: RivalRun, held_out: list[int]) -> dict[str, Any]:
-    """A trial's entry in the JSON."""
-    return {
-        "parameters": coordinates.count(run.layers),
-        "recipe": run.recipe.recorded(run.seed),
-        "data": origin(run.motion, held_out),
-        "validation": run.curve[run.epochs],
-    }
+def measured(run: RivalRun, tests: list[Motion]) -> list[dict[str, Any]]:
+    """Its figures on each of the motions."""
+    lifter = run.settle()
+    figures = [rounded(evaluate(lifter, test)) for test in tests]
+    kept = ("error", "interval", "camera_axes", "mirror_right_percent", "hidden_joints")
+    return [
+        {
+            "source": test.source,
+            "poses": len(test.joints),
+            "sha256": test.sha256,
+            "figures": chosen(found, kept),
+        }
+        for test, found in zip(tests, figures, strict=True)
+    ]
 
 
 def trials_table(trials: dict[str, dict]) -> str:
     """The table of trials: errors on the people held out."""
-    columns = list(next(iter(trials.values()))["validation"])
+    columns = [
+        name
+        for name in next(iter(trials.values()))["validation"]
+        if name.rpartition(" ")[2] in TRIED
+    ]
     rows = {
         title: [
             f"{row['parameters']:,}",
-            row["recipe"]["epochs"],
+            row["recipe"]["mds_epochs"],
             *(row["validation"][c] for c in columns),
         ]
         for title, row in trials.items()
     }
-    return markdown.table("mm, held-out people", ["parameters", "epochs", *columns], rows)
+    heads = [name.replace("_camera", ", camera axes") for name in columns]
+    return markdown.table("mm, held-out people", ["parameters", "epochs", *heads], rows)
 
 
 def record(path: Path, section: str, entries: dict[str, dict]) -> dict[str, dict]:
@@ -305,52 +232,50 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("train", type=Path, help="motion to train on")
-    parser.add_argument("test", type=Path, help="motion of other people, to measure on")
+    motion = {"type": Path, "nargs": "+", "metavar": "MOTION"}
+    parser.add_argument("--train", required=True, help="to train on, CMU's first", **motion)
+    parser.add_argument("--test", default=[], help="other people, to measure on", **motion)
     parser.add_argument("--rivals", nargs="+", choices=RIVALS, metavar="NAME", default=list(RIVALS))
     parser.add_argument("--trials", action="store_true", help="the trials instead of the rivals")
     parser.add_argument("--epochs", type=int, help="at most so many, instead of the recipes'")
     parser.add_argument("--out", type=Path, default=Path("build/rivals"), help="for checkpoints")
-    parser.add_argument(
-        "--json", type=Path, default=TRAINED, help="for results (%(default)s)"
-    )
+    parser.add_argument("--json", type=Path, default=TRAINED, help="for results (%(default)s)")
     parser.add_argument("--update", type=Path, help="Markdown with marks for the trials' table")
     parser.add_argument("--seed", type=int, default=0)
     return parser.parse_args()
 
 
-def prepare(args: argparse.Namespace) -> tuple[dict[str, RivalRun], Motion]:
-    """The runs, as far as they got before, and the people to validate on."""
-    motion, held = split(load_motion(args.train), HELD_OUT if args.trials else [])
+def run_all(args: argparse.Namespace) -> None:
+    """Trains, and records each as it is finished."""
+    tests = [load_motion(path) for path in args.test]
+    section, held_out = ("trials", HELD_OUT) if args.trials else ("rivals", [])
+    motions, held = split([load_motion(path) for path in args.train], held_out)
     recipes = TRIALS if args.trials else {name: RIVALS[name] for name in args.rivals}
     args.out.mkdir(parents=True, exist_ok=True)
-    runs = {}
     for name, recipe in recipes.items():
-        if args.epochs is not None:
-            recipe = dataclasses.replace(recipe, mds_epochs=min(args.epochs, recipe.mds_epochs))
-        runs[name] = RivalRun(motion, recipe, args.seed)
-        state = args.out / f"{name}.state"
-        if state.exists():
-            runs[name].load_state(state)
-    return runs, held
+        print(name, file=sys.stderr)
+        epochs = min(recipe.epochs, args.epochs or recipe.epochs)
+        recipe = dataclasses.replace(recipe, mds_epochs=epochs)
+        run = finish(RivalRun(motions, recipe, args.seed), held, args.out / f"{name}.state")
+        entry = about(run, held_out)
+        if args.trials:
+            entry["validation"] = run.curve[run.epochs]
+        else:  # mm; of people who were trained on
+            entry |= {"training_people": by_column(run.curve), "tests": measured(run, tests)}
+        entries = record(args.json, section, {name: entry})
+    if args.trials:
+        print(trials_table(entries), end="")
+        if args.update:
+            markdown.write(args.update, "trials", trials_table(entries))
 
 
 def main() -> int:
     args = arguments()
     try:
-        test = load_motion(args.test)
-        runs, held = prepare(args)
-        train_all(runs, held, args.out)
-        if args.trials:
-            trials = record(args.json, "trials", {n: tried(r, HELD_OUT) for n, r in runs.items()})
-            print(trials_table(trials))
-        else:
-            record(args.json, "rivals", {n: entry(run, [], test) for n, run in runs.items()})
+        run_all(args)
     except (MocapError, ValueError, FloatingPointError, OSError) as error:
         print(f"rivals: {error}", file=sys.stderr)
         return 1
-    if args.trials and args.update:
-        markdown.write(args.update, "trials", trials_table(trials))
     return 0
 
 
