@@ -1,7 +1,8 @@
 """What a lift costs on a microcontroller: flash, RAM, stack and instructions, as Markdown.
 
-    run.py reports.size                 prints a row a core and variant
-    run.py reports.size --core NAME     only this core's (a preset of CMakePresets.json)
+    run.py reports.size                 prints a row a core, model and variant
+    run.py reports.size --core NAME     only this core's (a preset of CMakePresets.json);
+                                        --model NAME: and this model's
     run.py reports.size --update        writes the tables of README.md and docs/costs.md
     run.py reports.size --check         compares them: sizes exactly, instructions within 3 %
 
@@ -11,10 +12,11 @@ cycles) exactly.  Flash is what a program links that does nothing but lift.
 
 import argparse
 import dataclasses
+import itertools
 import re
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +25,7 @@ from data.paths import DOCS, ROOT
 from model.manifest import read_manifest
 from reports import markdown
 from reports.targets import (
-    FCONN_SOURCES,
+    SMALL_SOURCES,
     SOURCES,
     TARGETS,
     Target,
@@ -39,25 +41,23 @@ BENCH = ROOT / "tests" / "targets" / "bench"
 README, COSTS = ROOT / "README.md", DOCS / "costs.md"
 LEVEL = "-Os"
 SLACK = 0.03  # of instructions
-VARIANTS = {
-    "f32": ["-DMODEL=edml_fconn_f32"],
-    "w16": ["-DMODEL=edml_fconn_w16"],
-    "w8": ["-DMODEL=edml_fconn_w8"],
-    "fixed": ["-DMODEL=edml_fconn_w16", "-DFIXED"],
-}
+MODELS = ("distances", "direct", "fconn")
+VARIANTS = {"f32": "f32", "w16": "w16", "w8": "w8", "fixed": "w16"}  # the weights of each
 FCONV = {  # a table of its own: a lift is 20 million instructions and more
     ("cortex-m4f", "f32"): ["-DMODEL=edml_fconv_f32", "-DFCONV"],
     ("cortex-m4f", "w8"): ["-DMODEL=edml_fconv_w8", "-DFCONV"],
     ("cortex-m3", "fixed w8"): ["-DMODEL=edml_fconv_w8", "-DFCONV", "-DFIXED"],
 }
-FCONV_COLUMNS = ("core", "variant", "code", "weights", "work", "stack", "predict", "lift")
-SUMMARY = [  # the chip; core and variant of the figures; call; model; its errors in the manifest
-    ("FPU, such as Cortex-M4F, M7, M33, M55", "Cortex-M4F", "w16", "lift", "w16", "metrics_w16"),
-    ("FPU, little flash", "Cortex-M4F", "w8", "lift", "w8", "metrics_w8"),
-    ("FPU, float weights wanted", "Cortex-M4F", "f32", "lift", "f32", "metrics"),
-    ("no FPU, such as Cortex-M3", "Cortex-M3", "fixed", "lift_q", "w16", "metrics_w16"),
-    ("no FPU, small: Cortex-M0+", "Cortex-M0+", "fixed", "lift_q", "w16", "metrics_w16"),
+FCONV_COLUMNS = ("core", "variant", "code", "weights", "work", "stack", "network", "lift")
+SUMMARY = [  # the chip; core, model and variant of the figures
+    ("FPU, such as Cortex-M4F, M7, M33, M55", "Cortex-M4F", "direct", "w16"),
+    ("FPU, little flash", "Cortex-M4F", "direct", "w8"),
+    ("FPU, float weights wanted", "Cortex-M4F", "direct", "f32"),
+    ("FPU, distances wanted as well", "Cortex-M4F", "distances", "w16"),
+    ("no FPU, such as Cortex-M3", "Cortex-M3", "direct", "fixed"),
+    ("no FPU, small: Cortex-M0+", "Cortex-M0+", "direct", "fixed"),
 ]
+METRICS = {"f32": "metrics", "w16": "metrics_w16", "w8": "metrics_w8"}  # errors in the manifest
 
 
 @dataclass(frozen=True)
@@ -65,6 +65,7 @@ class Cost:
     """A row of docs/costs.md: bytes of flash, RAM and stack, then instructions of the stages."""
 
     core: str
+    model: str
     variant: str
     code: int  # with the helpers
     helpers: int  # of the compiler and its libraries: what the processor has no instruction for
@@ -72,19 +73,22 @@ class Cost:
     work: int
     stack: int  # of the lift, the deepest
     place_stack: int  # of edml_place, which is no part of the lift
-    edm: int
-    impute: int  # the same, of a pose without knees and ankles
-    predict: int
+    impute: int  # `frame` of a pose without knees and ankles
+    frame: int
+    inputs: int  # of the network, and what is made of its outputs
+    network: int
     mds: int
-    mirror: int
+    align: int
     orient: int
+    mirror: int
     fuse: int
     lift: int
     place: int
 
 
 COLUMNS = [field.name for field in dataclasses.fields(Cost)]
-EXACT = COLUMNS[: COLUMNS.index("edm")]
+EXACT = COLUMNS[: COLUMNS.index("impute")]
+TITLES = ["core", "model", "variant"]
 
 
 def flash_sizes(link_map: str) -> dict[str, int]:
@@ -103,10 +107,16 @@ def flash_sizes(link_map: str) -> dict[str, int]:
     return sizes
 
 
+def options_of(model: str, variant: str) -> list[str]:
+    """What tests/targets/bench is compiled with."""
+    fixed = ["-DFIXED"] if variant == "fixed" else []
+    return [f"-DMODEL=edml_{model}_{VARIANTS[variant]}", *fixed]
+
+
 def measure_variant(
-    target: Target, variant: str, options: list[str], library: list[Path], folder: Path
+    target: Target, title: tuple[str, str], options: list[str], library: list[Path], folder: Path
 ) -> Cost:
-    """The costs of one lift on a core."""
+    """The costs of one lift on a core, by a model in a variant."""
     link_map = folder / "map"
     smallest = build(
         BENCH / "smallest.c", target, LEVEL, folder / "smallest.elf", *options, "-nostartfiles",
@@ -119,29 +129,31 @@ def measure_variant(
         f"-DCOUNTS_PER_1000={target.counts}", library=library,
     )  # fmt: skip
     lines = [line.split() for line in count(bench, target).splitlines()]
-    stages = {name: int(instructions) for name, instructions, _ in lines if name in COLUMNS}
+    counts = {name: int(instructions) for name, instructions, _ in lines}
+    counts["inputs"] = counts["predict"] - counts["network"]
+    stages = {name: number for name, number in counts.items() if name in COLUMNS}
     deepest = {name: int(stack) for name, _, stack in lines}
     stacks = {"stack": deepest["lift"], "place_stack": deepest["place"]}
     return Cost(
-        target.name, variant, work=work, **stacks, **flash_sizes(link_map.read_text()), **stages
+        target.name, *title, work=work, **stacks, **flash_sizes(link_map.read_text()), **stages
     )
 
 
-def measure_core(target: Target) -> list[Cost]:
+def measure_core(target: Target, models: Sequence[str] = MODELS) -> list[Cost]:
     """The rows of a core."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        library = compile_library(target, LEVEL, folder, FCONN_SOURCES)
+        library = compile_library(target, LEVEL, folder, SMALL_SOURCES)
         return [
-            measure_variant(target, variant, options, library, folder)
-            for variant, options in VARIANTS.items()
+            measure_variant(target, title, options_of(*title), library, folder)
+            for title in itertools.product(models, VARIANTS)
         ]
 
 
-def measure(names: Iterable[str] = TARGETS) -> list[Cost]:
+def measure() -> list[Cost]:
     """All rows, two cores at a time."""
     with ThreadPoolExecutor(2) as pool:
-        results = list(pool.map(measure_core, [TARGETS[name] for name in names]))
+        results = list(pool.map(measure_core, TARGETS.values()))
     return [cost for costs in results for cost in costs]
 
 
@@ -154,7 +166,8 @@ def measure_fconv() -> list[Cost]:
         target = dataclasses.replace(target, system=dataclasses.replace(target.system, icount=1))
         with tempfile.TemporaryDirectory() as folder:
             library = compile_library(target, LEVEL, Path(folder))
-            costs.append(measure_variant(target, variant, options, library, Path(folder)))
+            title = "fconv", variant
+            costs.append(measure_variant(target, title, options, library, Path(folder)))
     return costs
 
 
@@ -172,7 +185,8 @@ def to_table(head: list[str], rows: Iterable[Row]) -> str:
 
 def full_table(costs: list[Cost]) -> str:
     """The table of docs/costs.md."""
-    units = ["", "", *["bytes"] * (len(EXACT) - 2), *["instr."] * (len(COLUMNS) - len(EXACT))]
+    sizes, counts = len(EXACT) - len(TITLES), len(COLUMNS) - len(EXACT)
+    units = [*[""] * len(TITLES), *["bytes"] * sizes, *["instr."] * counts]
     return to_table(COLUMNS, [units, *(list(dataclasses.astuple(cost)) for cost in costs)])
 
 
@@ -187,14 +201,21 @@ def parse(text: str) -> list[Cost]:
     """The rows of a full table."""
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines()]
     return [
-        Cost(core, variant, *(int(cell.replace(",", "")) for cell in cells))
-        for core, variant, *cells in rows
+        Cost(core, model, variant, *(int(cell.replace(",", "")) for cell in cells))
+        for core, model, variant, *cells in rows
         if variant in VARIANTS
     ]
 
 
+def short_tables(costs: list[Cost]) -> str:
+    """Those of all models, each below its name."""
+    by_model = {model: [cost for cost in costs if cost.model == model] for model in MODELS}
+    return "\n\n".join(f"`{model}`:\n\n{short_table(of)}" for model, of in by_model.items() if of)
+
+
 def short_table(costs: list[Cost]) -> str:
-    """A row a core: code, and thousands of instructions a lift, of each variant; then memory."""
+    """A row a core: code, and thousands of instructions a lift, of each variant of a model; then
+    memory."""
     of = {(cost.core, cost.variant): cost for cost in costs}
     head, units = [""], [""]
     for variant in VARIANTS:
@@ -215,14 +236,14 @@ def short_table(costs: list[Cost]) -> str:
 
 
 def summary_table(costs: list[Cost]) -> str:
-    """The README's first table: a few rows, and the errors noted in the model's manifest."""
-    of = {(cost.core, cost.variant): cost for cost in costs}
-    manifest = read_manifest("fconn")
+    """The README's first table: a few rows, and the errors noted in the models' manifests."""
+    of = {(cost.core, cost.model, cost.variant): cost for cost in costs}
     rows: list[Row] = []
-    for chip, core, variant, call, weights, key in SUMMARY:
-        cost, metrics = of[core, variant], manifest.get(key, {})
+    for chip, core, model, variant in SUMMARY:
+        cost, form = of[core, model, variant], VARIANTS[variant]
+        metrics = read_manifest(model).get(METRICS[form], {})
         rows.append([
-            chip, f"`edml_{call}`", f"`edml_fconn_{weights}`",
+            chip, f"`edml_lift{'_q' if variant == 'fixed' else ''}`", f"`edml_{model}_{form}`",
             f"{cost.code:,} + {cost.weights:,} of weights",
             f"{cost.work:,} + {cost.stack} of stack",
             cost.lift,
@@ -246,7 +267,8 @@ def compare(written: list[Cost], measured: list[Cost]) -> None:
         for name in COLUMNS:
             a, b = getattr(old, name), getattr(new, name)
             if a != b and (name in EXACT or abs(a - b) > SLACK * b):
-                wrong.append(f"{new.core}, {new.variant}, {name}: written {a}, measured {b}")
+                title = f"{new.core}, {new.model}, {new.variant}, {name}"
+                wrong.append(f"{title}: written {a}, measured {b}")
     if wrong:
         raise Disagreement("\n".join(wrong))
 
@@ -256,7 +278,7 @@ def check(measured: list[Cost]) -> None:
     written = parse(markdown.read(COSTS, "costs"))
     compare(written, measured)
     for page, name, table in (
-        (COSTS, "size_report", short_table), (README, "summary", summary_table)
+        (COSTS, "size_report", short_tables), (README, "summary", summary_table)
     ):  # fmt: skip
         if markdown.read(page, name).strip() != table(written):
             raise Disagreement(f"{page.name}, {name}: not that of docs/costs.md, costs")
@@ -268,7 +290,7 @@ def check_fconv(measured: list[Cost]) -> None:
     for row, cost in zip(rows, measured, strict=True):
         for name, cell in zip(FCONV_COLUMNS, row.strip("|").split("|"), strict=True):
             old, new = cell.strip().replace(",", ""), getattr(cost, name)
-            exact = name not in ("predict", "lift")
+            exact = name not in ("network", "lift")
             if old != str(new) and (exact or abs(int(old) - new) > SLACK * new):
                 raise Disagreement(f"FConv, {cost.core}, {name}: written {old}, measured {new}")
 
@@ -276,7 +298,7 @@ def check_fconv(measured: list[Cost]) -> None:
 def update(measured: list[Cost]) -> None:
     """Writes the tables of both pages."""
     markdown.write(COSTS, "costs", full_table(measured))
-    markdown.write(COSTS, "size_report", short_table(measured))
+    markdown.write(COSTS, "size_report", short_tables(measured))
     markdown.write(README, "summary", summary_table(measured))
 
 
@@ -288,12 +310,15 @@ def main() -> int:
     what.add_argument("--core", choices=TARGETS)
     what.add_argument("--update", action="store_true")
     what.add_argument("--check", action="store_true")
+    parser.add_argument("--model", choices=MODELS, help="of a --core")
     args = parser.parse_args()
     try:
-        costs = measure([args.core] if args.core else TARGETS)
-        print(full_table(costs))
         if args.core:
+            models = [args.model] if args.model else MODELS
+            print(full_table(measure_core(TARGETS[args.core], models)))
             return 0
+        costs = measure()
+        print(full_table(costs))
         fconv = measure_fconv()
         print(fconv_table(fconv))
         if args.check:

@@ -15,7 +15,7 @@ from data.paths import LIB, ROOT
 
 SOURCES = sorted(LIB.rglob("*.c"))
 # Without FConv's megabytes, which take a third of the time to compile.
-FCONN_SOURCES = [source for source in SOURCES if not source.match("models/fconv_*.c")]
+SMALL_SOURCES = [source for source in SOURCES if not source.match("models/fconv_*.c")]
 INCLUDES = [f"-I{ROOT / 'include'}", f"-I{LIB}"]
 
 
