@@ -24,8 +24,8 @@ int main(void)
     float quality = 0;
     int violations = 0;
 
-    edml_status status = edml_lift(&pose, in, &edml_fconn_w16, &work, sizeof work);
-    if (status == EDML_OK) status = edml_quality(&quality, &pose, in); /* before edml_fit_body() */
+    edml_status status = edml_lift(&pose, in, &up, &edml_distances_w16, &work, sizeof work);
+    if (status == EDML_OK) status = edml_quality(&quality, &pose); /* before edml_fit_body() */
     if (status == EDML_OK) status = edml_joint_limits(&violations, &pose);
     if (status == EDML_OK) status = edml_uncertainty(millimetres, pose.seen);
     if (status == EDML_OK) status = edml_fit_body(&pose, &owner);

@@ -44,7 +44,7 @@ int main(void)
     edml_pose pose;
     read_movenet(seen, tensor);
     edml_adapt(joints, seen, &edml_coco17);
-    edml_status status = edml_lift(&pose, joints, &edml_fconn_w16, &work, sizeof work);
+    edml_status status = edml_lift(&pose, joints, NULL, &edml_distances_w16, &work, sizeof work);
     if (status != EDML_OK) {
         printf("no pose: %s\n", edml_status_name(status));
         return 1;

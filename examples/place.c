@@ -4,7 +4,7 @@
 #include "edmlift.h"
 #include "edmlift/camera.h"
 
-static edml_work work; /* edml_lift() and edml_place() share it */
+static edml_work work; /* edml_lift_with_camera() and edml_place() share it */
 
 int main(void)
 {
@@ -18,7 +18,8 @@ int main(void)
     static const edml_camera camera = {1145, 1145, 500, 500}; /* fx, fy, cx, cy: pixels, as calibrated */
     static edml_pose pose;
     static edml_placement placement;
-    edml_status status = edml_lift(&pose, in, &edml_fconn_w16, &work, sizeof work);
+    edml_status status = edml_lift_with_camera(&pose, in, NULL, &camera, &edml_distances_w16, &work,
+                                               sizeof work);
     if (status == EDML_OK) status = edml_place(&placement, &pose, in, &camera, &work, sizeof work);
     if (status != EDML_OK) {
         printf("not placed: %s\n", edml_status_name(status));

@@ -34,7 +34,7 @@ int main(void)
         edml_pose pose;
         const uint32_t time_ms = (uint32_t)frame * 1000 / 30;
         detect(in, frame);
-        edml_status status = edml_track_lift(&pose, &track, in, time_ms, &edml_fconn_w16, &work,
+        edml_status status = edml_track_lift(&pose, &track, in, time_ms, NULL, &edml_distances_w16, &work,
                                              sizeof work);
         if (status != EDML_OK) { /* the track is as before; the next frame may be lifted */
             printf("frame %2d: %s\n", frame, edml_status_name(status));

@@ -6,7 +6,7 @@
 
 #ifdef FIRMWARE_FIXED
 
-#define MODEL edml_fconn_w16
+#define MODEL edml_direct_w16
 #define LIFT edml_lift_q
 typedef edml_keypoint_q keypoint;
 typedef edml_pose_q pose;
@@ -18,7 +18,7 @@ static int thousandths(int32_t number) { return (int)(((int64_t)number * 1000 + 
 
 #else
 
-#define MODEL edml_fconn_f32
+#define MODEL edml_distances_w16
 #define LIFT edml_lift
 typedef edml_keypoint keypoint;
 typedef edml_pose pose;

@@ -71,8 +71,7 @@ static void write_csv(const char *line, const answer *out, const options *set)
     const int lifted = strcmp(out->status, "ok") == 0;
     fputs(out->status, stdout);
     write_fields(lifted ? &out->pose.joint[0].x : NULL, 3 * EDML_JOINTS);
-    write_fields(lifted ? &out->pose.mirror_margin : NULL, 1);
-    write_fields(lifted ? &out->pose.residual : NULL, 1);
+    write_fields(lifted ? &out->pose.misfit : NULL, 1);
     if (set->quality) write_fields(lifted ? &out->quality : NULL, 1);
     if (places(set)) {
         const int placed = lifted && strcmp(out->placed, "ok") == 0;
@@ -88,7 +87,7 @@ void print_csv_header(const options *set)
 {
     fputs("status", stdout);
     for (int j = 0; j < EDML_JOINTS; j++) printf(",x%d,y%d,z%d", j, j, j);
-    fputs(",mirror_margin,residual", stdout);
+    fputs(",misfit", stdout);
     if (set->quality) fputs(",quality", stdout);
     if (places(set)) fputs(",placement,root_x,root_y,root_z,reprojection,focal", stdout);
     putchar('\n');

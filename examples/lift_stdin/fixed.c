@@ -38,11 +38,17 @@ static edml_point point_of(edml_point_q p)
 
 static int32_t to_fixed(float value) { return saturate(65536.0 * (double)value, INT32_MIN, INT32_MAX); }
 
+static edml_camera_q camera_of(const options *set)
+{
+    const edml_camera_q camera = {to_fixed(set->camera.fx), to_fixed(set->camera.fy), to_fixed(set->camera.cx),
+                                  to_fixed(set->camera.cy)};
+    return camera;
+}
+
 static void place_fixed(answer *out, const edml_pose_q *pose, const edml_keypoint_q in[],
                         const options *set, void *work, size_t work_bytes)
 {
-    edml_camera_q camera = {to_fixed(set->camera.fx), to_fixed(set->camera.fy), to_fixed(set->camera.cx),
-                            to_fixed(set->camera.cy)};
+    edml_camera_q camera = camera_of(set);
     edml_placement_q placed;
     edml_placement placement;
     const edml_status status = set->sweep
@@ -57,6 +63,20 @@ static void place_fixed(answer *out, const edml_pose_q *pose, const edml_keypoin
     take_placement(out, status, &placement, to_float(camera.fx));
 }
 
+static edml_status lift_still(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS], const options *set,
+                              void *work, size_t work_bytes)
+{
+    const edml_point_q given = {to_fixed(set->up.x), to_fixed(set->up.y), to_fixed(set->up.z)};
+    const edml_point_q *up = knows_up(set) ? &given : NULL;
+    if (set->camera.fx > 0) {
+        const edml_camera_q camera = camera_of(set);
+        const edml_status status = edml_lift_with_camera_q(pose, in, up, &camera, set->model, work,
+                                                           work_bytes);
+        if (status != EDML_ERR_CAMERA) return status;
+    }
+    return edml_lift_q(pose, in, up, set->model, work, work_bytes);
+}
+
 edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set)
 {
     edml_keypoint_q keypoints[KEYPOINTS_MAX], joints[EDML_JOINTS];
@@ -65,17 +85,16 @@ edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set
     for (int n = 0; n < keypoints_of(set); n++) keypoints[n] = to_q16(in[n]);
     if (set->format != NULL) edml_adapt_q(joints, keypoints, set->format);
     const edml_keypoint_q *seen = set->format != NULL ? joints : keypoints;
-    edml_status status = edml_lift_q(&lifted, seen, set->model, &work, sizeof work);
+    edml_status status = lift_still(&lifted, seen, set, &work, sizeof work);
     if (status != EDML_OK) return status;
     int32_t quality = 0; /* also of a pose that has none */
-    if (set->quality) (void)edml_quality_q(&quality, &lifted, seen);
+    if (set->quality) (void)edml_quality_q(&quality, &lifted);
     out->quality = to_float(quality);
     const edml_body_q body = {to_fixed(set->body.height), {0}};
     if (set->body.height > 0) status = edml_fit_body_q(&lifted, &body);
     if (status != EDML_OK) return status;
     for (int j = 0; j < EDML_JOINTS; j++) out->pose.joint[j] = point_of(lifted.joint[j]);
-    out->pose.mirror_margin = to_float(lifted.mirror_margin);
-    out->pose.residual = to_float(lifted.residual);
+    out->pose.misfit = to_float(lifted.misfit);
     out->pose.seen = lifted.seen;
     if (places(set)) place_fixed(out, &lifted, seen, set, &work, sizeof work);
     return EDML_OK;

@@ -21,9 +21,9 @@ static int is_named(const char *p, const char *name)
 /* A member of the object that the answer would repeat; or NULL. */
 static const char *name_of_answer(const char *object, const options *set)
 {
-    static const char *const names[] = {"status",    "joints", "mirror_margin", "residual", "quality",
-                                        "placement", "root",   "reprojection",  "focal"};
-    enum { ALWAYS = 4, QUALITY = 4, NAMES = 9 };
+    static const char *const names[] = {"status",    "joints", "misfit",       "quality",
+                                        "placement", "root",   "reprojection", "focal"};
+    enum { ALWAYS = 3, QUALITY = 3, NAMES = 8 };
     for (const char *p = json_first(object); p != NULL; p = json_next(json_value_of(p)))
         for (int n = 0; n < NAMES; n++)
             if (is_named(p, names[n]) && (n < ALWAYS || (n == QUALITY ? set->quality : places(set))))
@@ -142,10 +142,9 @@ static void write_jsonl(const char *line, const answer *out, const options *set)
         printf("%s[%.6g,%.6g,%.6g]", j == 0 ? ",\"joints\":[" : ",", (double)out->pose.joint[j].x,
                (double)out->pose.joint[j].y, (double)out->pose.joint[j].z);
     if (lifted)
-        printf("],\"mirror_margin\":%.6g,\"residual\":%.6g", (double)out->pose.mirror_margin,
-               (double)out->pose.residual);
+        printf("],\"misfit\":%.6g", (double)out->pose.misfit);
     else
-        fputs(",\"joints\":null,\"mirror_margin\":null,\"residual\":null", stdout);
+        fputs(",\"joints\":null,\"misfit\":null", stdout);
     if (set->quality && lifted)
         printf(",\"quality\":%.6g", (double)out->quality);
     else if (set->quality)

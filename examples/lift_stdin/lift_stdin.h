@@ -20,7 +20,8 @@ typedef struct {
     const edml_model *model;
     const edml_format *format; /* NULL: the joints of edml_lift() themselves */
     float threshold;           /* a keypoint with a confidence up to this was not seen */
-    float width, height;       /* pixels, for a normalised format */
+    float width, height;       /* of the image, pixels; 0: not given */
+    edml_point up;             /* a unit vector in the camera's axes; 0: not given */
     float focal;               /* pixels; 0: not given */
     edml_camera camera;        /* fx 0: none */
     int sweep;                 /* look for the focal length */
@@ -45,6 +46,8 @@ typedef struct {
 options read_options(char **argv);
 
 static inline int places(const options *set) { return set->camera.fx > 0 || set->sweep; }
+
+static inline int knows_up(const options *set) { return set->up.x != 0 || set->up.y != 0 || set->up.z != 0; }
 
 /* The number of keypoints on a line. */
 static inline int keypoints_of(const options *set)

@@ -73,26 +73,49 @@ typedef struct {
     double time; /* of this line, seconds */
 } video;
 
+/* As the camera that is known sees it, if that can have seen it. */
+static edml_status lift_still(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const options *set)
+{
+    const edml_point *up = knows_up(set) ? &set->up : NULL;
+    if (set->camera.fx > 0) {
+        const edml_status status = edml_lift_with_camera(pose, in, up, &set->camera, set->model, &work,
+                                                         sizeof work);
+        if (status != EDML_ERR_CAMERA) return status;
+    }
+    return edml_lift(pose, in, up, set->model, &work, sizeof work);
+}
+
 static edml_status lift_frame(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], video *before,
                               const options *set)
 {
-    if (!set->track) return edml_lift(pose, in, set->model, &work, sizeof work);
+    if (!set->track) return lift_still(pose, in, set);
     const double ms = set->fps > 0 ? 1000.0 * (double)before->frame / (double)set->fps
                                    : 1000.0 * before->time + 0.5;
     const uint32_t time = (uint32_t)fmod(floor(ms), 4294967296.0);
-    return edml_track_lift(pose, &before->track, in, time, set->model, &work, sizeof work);
+    return edml_track_lift(pose, &before->track, in, time, knows_up(set) ? &set->up : NULL, set->model, &work,
+                           sizeof work);
 }
 
-/* Multiplies normalised keypoints by the size of the image; returns NULL or what is wrong with them. */
+static int is_outside(edml_keypoint at, float width, float height)
+{
+    const int known = isfinite(at.x) && isfinite(at.y) && isfinite(at.c); /* else the lift refuses it */
+    return known && (at.x < 0 || at.x > width || at.y < 0 || at.y > height);
+}
+
+/* Keypoints outside the image were not seen, however sure of them the detector is; normalised ones are
+ * multiplied by its size.  Returns NULL or what is wrong with them. */
 static const char *to_pixels(edml_keypoint in[], const options *set)
 {
-    if (set->format == NULL || !set->format->normalised) return NULL;
-    for (int n = 0; n < keypoints_of(set); n++) {
-        if (in[n].c > 0 && (fabsf(in[n].x) > MAX_NORMALISED || fabsf(in[n].y) > MAX_NORMALISED))
+    const int normalised = set->format != NULL && set->format->normalised;
+    const float width = normalised ? 1 : set->width, height = normalised ? 1 : set->height;
+    for (int n = 0; n < keypoints_of(set) && set->width != 0; n++) {
+        if (normalised && in[n].c > 0 &&
+            (fabsf(in[n].x) > MAX_NORMALISED || fabsf(in[n].y) > MAX_NORMALISED))
             return "keypoints of this format are normalised, 0 to 1 within the image; these look like "
                    "pixels";
-        in[n].x *= set->width;
-        in[n].y *= set->height;
+        if (is_outside(in[n], width, height)) in[n].c = 0;
+        in[n].x *= normalised ? set->width : 1;
+        in[n].y *= normalised ? set->height : 1;
     }
     return NULL;
 }
@@ -110,7 +133,7 @@ static edml_status lift(answer *out, const edml_keypoint in[], video *before, co
         edml_track_swap_sides(joints, &before->track);
         seen = joints;
     }
-    if (set->quality && edml_quality(&out->quality, &out->pose, seen) != EDML_OK)
+    if (set->quality && edml_quality(&out->quality, &out->pose) != EDML_OK)
         out->quality = 0; /* a joint beyond 4 m, which only a float network can give */
     if (set->body.height > 0) status = edml_fit_body(&out->pose, &set->body);
     if (status == EDML_OK && places(set)) place(out, seen, set);

@@ -3,14 +3,18 @@
  * SPDX-License-Identifier: MIT
  */
 #include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "lift_stdin.h"
 
-static const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8,
-                                           &edml_fconv_f32, &edml_fconv_w8};
+static const edml_model *const models[] = {
+    &edml_distances_f32, &edml_distances_w16, &edml_distances_w8, &edml_direct_f32,
+    &edml_direct_w16,    &edml_direct_w8,     &edml_fconn_f32,    &edml_fconn_w16,
+    &edml_fconn_w8,      &edml_fconv_f32,     &edml_fconv_w8,
+};
 enum { MODELS = (int)(sizeof models / sizeof models[0]), FIRST_QUANTISED = 1 };
 
 static const char usage[] =
@@ -23,17 +27,20 @@ static const char usage[] =
     "wrist, left shoulder, elbow, wrist, right hip, knee, ankle, left hip, knee, ankle.  Blank lines\n"
     "and lines that start with # are skipped.\n"
     "\n"
-    "Output: status,x0,y0,z0,...,x13,y13,z13,mirror_margin,residual in metres: x right, y down,\n"
-    "z away from the camera, origin between the hips.  A pose that cannot be lifted has a status\n"
-    "other than ok and empty fields: too_few_joints (under 10 seen), not_finite (NaN or infinity),\n"
-    "degenerate (on a point or a line, or like no person), aspect (over 3.5 times wider than high),\n"
-    "or time (with --track, not later than the one before).  A line that is not a pose has bad_line.\n"
+    "Output: status,x0,y0,z0,...,x13,y13,z13,misfit in metres: x right, y down, z away from the\n"
+    "camera, origin between the hips; misfit says how far image and network disagree.  A pose that\n"
+    "cannot be lifted has a status other than ok and empty fields: too_few_joints (under 10 seen),\n"
+    "not_finite (NaN or infinity), degenerate (on a point or a line, or like no person), or time (with\n"
+    "--track, not later than the one before).  A line that is not a pose has bad_line.\n"
     "\n"
     "  --format NAME   keypoints of a detector, such as coco17; --list-formats has all\n"
-    "  --image W,H     size of the image in pixels, for --focal and for blazepose33, whose keypoints\n"
-    "                  are normalised by it\n"
+    "  --image W,H     size of the image in pixels: keypoints outside are not seen.  --focal and\n"
+    "                  blazepose33, whose keypoints are normalised by it, need it\n"
+    "  --up X,Y,Z      the upward direction in the camera's axes, as an accelerometer shows it, of any\n"
+    "                  length: 0,-1,0 for a level camera; fconn and fconv make no use of it\n"
     "  --camera FX,FY,CX,CY\n"
-    "                  place each pose before this camera (pixels): fields placement (ok, or why not),\n"
+    "                  lift (but not with --track) as if this camera (pixels) looked at the person, and\n"
+    "                  place each pose before it: fields placement (ok, or why not),\n"
     "                  root_x, root_y, root_z (mid-hip, metres from the camera), reprojection (RMS,\n"
     "                  pixels) and focal follow; the joints are relative to the root and rotated as\n"
     "                  placed or, where placement is not ok, as without a camera;\n"
@@ -41,15 +48,16 @@ static const char usage[] =
     "  --focal F       the same with this focal length and the middle of the image; --focal sweep\n"
     "                  looks for the one that fits best: distances are then a guess\n"
     "  --height M      the person's standing height in metres: poses get this size\n"
-    "  --quality       a field quality follows residual: 0 to 1, the chance of a mean error under 100 mm\n"
+    "  --quality       a field quality follows misfit: 0 to 1, the chance of a mean error under 100 mm\n"
     "  --json          lines of JSON: objects with \"keypoints\":[[x,y,c],...], where a keypoint may be\n"
     "                  [x,y], null or [null,null], and all of them null or [] where nobody is; each\n"
     "                  comes out with all its members, a bad one as well, and \"status\",\n"
-    "                  \"joints\":[[x,y,z],...], \"mirror_margin\" and \"residual\"\n"
+    "                  \"joints\":[[x,y,z],...] and \"misfit\"\n"
     "  --track FPS     the lines are a video of one person, FPS frames a second: steady its motion;\n"
     "                  --track t: at the times that the objects of --json have, \"t\", in seconds;\n"
     "                  a line that is not a pose is a frame without one; one video a run\n"
-    "  --model NAME    network (default: fconn_f32; with --fixed fconn_w16); --list-models has all\n"
+    "  --model NAME    network (default: distances_f32; with --fixed distances_w16), such as\n"
+    "                  direct_w16; --list-models has all\n"
     "  --fixed         lift in fixed point, as on a core without an FPU; coordinates must be within\n"
     "                  8192 pixels\n"
     "  --threshold C   keypoints with confidence <= C are not seen (default: 0)\n"
@@ -162,6 +170,19 @@ static void set_camera(options *set, const char *text)
     set->camera = camera;
 }
 
+static void set_up(options *set, const char *text)
+{
+    float n[3];
+    const int read = read_list(n, 3, text);
+    const float length = read ? sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) : 0;
+    if (!(length > 0)) {
+        fprintf(stderr, "lift_stdin: --up must be X,Y,Z, not all of them 0, and not '%s'\n", text);
+        exit(EXIT_TROUBLE);
+    }
+    const edml_point up = {n[0] / length, n[1] / length, n[2] / length};
+    set->up = up;
+}
+
 static void set_focal(options *set, const char *text)
 {
     set->sweep = strcmp(text, "sweep") == 0;
@@ -181,8 +202,7 @@ static void set_track(options *set, const char *text)
 
 static void set_height(options *set, const char *text)
 {
-    edml_pose zero = {
-        {{0, 0, 0}}, 0, 0, 0}; /* edml_fit_body() fails later with it than with a bad height */
+    edml_pose zero = {{{0, 0, 0}}, 0, 0}; /* edml_fit_body() fails later with it than with a bad height */
     const int read = read_list(&set->body.height, 1, text);
     if (read && set->body.height > 0 && edml_fit_body(&zero, &set->body) != EDML_ERR_BODY) return;
     fprintf(stderr, "lift_stdin: --height must be a person's, 0.5 to 2.5 metres, not '%s'\n", text);
@@ -198,7 +218,7 @@ static int set_value(options *set, char **argv, int *i)
     } settings[] = {
         {"--model", set_model}, {"--format", set_format}, {"--threshold", set_threshold},
         {"--image", set_image}, {"--camera", set_camera}, {"--focal", set_focal},
-        {"--track", set_track}, {"--height", set_height},
+        {"--track", set_track}, {"--height", set_height}, {"--up", set_up},
     };
     for (unsigned n = 0; n < sizeof settings / sizeof *settings; n++) {
         const char *value = option_value(settings[n].name, argv, i);
@@ -261,13 +281,11 @@ options read_options(char **argv)
     }
     if (set.model == NULL) set.model = models[set.fixed ? FIRST_QUANTISED : 0];
     if (set.fixed && edml_model_work_bytes_q(set.model) == 0)
-        refuse("--fixed needs a quantised network: fconn_w16, fconn_w8 or fconv_w8");
+        refuse("--fixed needs a quantised network, such as distances_w16");
     const int normalised = set.format != NULL && set.format->normalised;
     if (normalised && set.width == 0)
         refuse("keypoints of this format are normalised: give the image's size with --image WIDTH,HEIGHT");
     finish_camera(&set);
-    if (!normalised && set.focal == 0 && !set.sweep && set.width != 0)
-        refuse("--image is for --focal and for normalised formats");
     if (set.fixed && set.track) refuse("--track works in float only: give --track or --fixed, not both");
     if (set.quality && set.track)
         refuse("--quality is for single lifts: give --quality or --track, not both");
