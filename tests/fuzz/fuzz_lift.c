@@ -1,6 +1,7 @@
-/* Any bytes into edml_lift(), edml_track_lift() and edml_lift_q(): a status that exists, and with it either a
- * sound pose or none; in fixed point no overflow, by the integers that watch themselves (tests/overflow).  What
- * was lifted is placed before cameras of any kind, with the same demands.
+/* Any bytes into edml_lift(), edml_track_lift() and edml_lift_q(), with every model and any upward direction: a
+ * status that exists, and with it either a sound pose or none; in fixed point no overflow, by the integers that
+ * watch themselves (tests/overflow).  What was lifted is placed before cameras of any kind, and lifted by them,
+ * with the same demands.
  *
  * With libFuzzer (libfuzzer.sh) or, with its own main, on pseudo-random inputs: fuzz_lift [COUNT].
  *
@@ -43,8 +44,7 @@ static void check_pose(const edml_pose *pose)
 {
     const float *number = &pose->joint[0].x;
     for (int n = 0; n < 3 * EDML_JOINTS; n++) require(isfinite(number[n]), "a joint is not finite");
-    require(pose->mirror_margin >= 0 && isfinite(pose->mirror_margin), "a bad margin");
-    require(pose->residual >= 0 && isfinite(pose->residual), "a bad residual");
+    require(pose->misfit >= 0 && isfinite(pose->misfit), "a bad misfit");
     require(pose->seen < 1 << EDML_JOINTS, "a joint that does not exist was seen");
     for (int n = 0; n < EDML_BONES; n++) {
         const edml_point a = pose->joint[edml_bones[n].from], b = pose->joint[edml_bones[n].to];
@@ -62,8 +62,7 @@ static void check_status(edml_status status)
 static void check_placement_status(edml_status status)
 {
     require(edml_status_name(status)[0] != '?', "an unknown status of a placement");
-    require(status != EDML_ERR_ARGUMENT && status != EDML_ERR_MODEL && status != EDML_ERR_ASPECT,
-            "a placement's status without a cause");
+    require(status != EDML_ERR_ARGUMENT && status != EDML_ERR_MODEL, "a placement's status without a cause");
 }
 
 /* From a hundredth of a pixel to 10,000, by a byte. */
@@ -86,6 +85,39 @@ static void place_floats(const edml_pose *pose, const edml_keypoint in[EDML_JOIN
     require(placement.steps <= 53, "too many steps");
 }
 
+/* Any direction, also none at all; NULL in a quarter of the cases. */
+static const edml_point *some_up(const uint8_t *data)
+{
+    static edml_point up;
+    memcpy(&up, data + 1, sizeof up);
+    if (data[0] % 4 != 0) {
+        up.x = (float)data[4] - 128;
+        up.y = (float)data[5] - 128;
+        up.z = (float)data[6] - 128;
+    }
+    return data[7] % 4 == 0 ? NULL : &up;
+}
+
+static const edml_model *some_model(uint8_t byte)
+{
+    static const edml_model *const models[] = {
+        &edml_distances_f32, &edml_direct_f32, &edml_fconn_f32, &edml_distances_w16,
+        &edml_direct_w16,    &edml_fconn_w16,  &edml_direct_w8,
+    };
+    return models[byte % (sizeof models / sizeof *models)];
+}
+
+static void lift_by_camera(const edml_keypoint in[], const uint8_t *data, edml_work *work)
+{
+    const float focal = some_focal_length(data[1]);
+    const edml_camera camera = {focal, focal, in[data[2] % EDML_JOINTS].x, in[data[3] % EDML_JOINTS].y};
+    edml_pose pose;
+    const edml_status status = edml_lift_with_camera(&pose, in, some_up(data), &camera, some_model(data[8]),
+                                                     work, sizeof *work);
+    check_status(status);
+    if (status == EDML_OK) check_pose(&pose);
+}
+
 static void lift_floats(const uint8_t *data)
 {
     edml_keypoint in[EDML_JOINTS];
@@ -96,11 +128,12 @@ static void lift_floats(const uint8_t *data)
     memset(&work, data[0], sizeof work);
     read_keypoints(in, data);
 
-    const edml_status status = edml_lift(&pose, in, &edml_fconn_f32, &work, sizeof work);
+    const edml_status status = edml_lift(&pose, in, some_up(data), some_model(data[8]), &work, sizeof work);
     check_status(status);
     if (status == EDML_OK) {
         check_pose(&pose);
         place_floats(&pose, in, data, &work);
+        lift_by_camera(in, data, &work);
     } else {
         require(memcmp(&pose, &untouched, sizeof pose) == 0, "refused, but the pose was written");
     }
@@ -123,8 +156,8 @@ static void track_floats(const uint8_t *data)
         memcpy(&before, &pose, sizeof pose);
         memcpy(&untouched, &track, sizeof track);
         read_keypoints(in, moved);
-        const edml_status status = edml_track_lift(&pose, &track, in, time, &edml_fconn_f32, &work,
-                                                   sizeof work);
+        const edml_status status = edml_track_lift(&pose, &track, in, time, some_up(data),
+                                                   some_model(data[8]), &work, sizeof work);
         require(edml_status_name(status)[0] != '?', "an unknown status of a frame");
         if (status == EDML_OK) {
             check_pose(&pose);
@@ -165,8 +198,7 @@ static void check_pose_q(const edml_pose_q *pose)
     const int32_t *number = &pose->joint[0].x, limit = 16 << 16; /* metres */
     for (int n = 0; n < 3 * EDML_JOINTS; n++)
         require(number[n] > -limit && number[n] < limit, "a joint is not near the hips");
-    require(pose->mirror_margin >= 0, "a bad margin");
-    require(pose->residual >= 0 && pose->residual < limit, "a bad residual");
+    require(pose->misfit >= 0 && pose->misfit < limit, "a bad misfit");
     require(pose->seen < 1 << EDML_JOINTS, "a joint that does not exist was seen");
 }
 
@@ -187,9 +219,47 @@ static void place_integers(const edml_pose_q *pose, const edml_keypoint_q in[EDM
     require(memcmp(&placement, &watched, sizeof placement) == 0, "not the placement of watched numbers");
 }
 
+static const edml_point_q *some_up_q(const uint8_t *data)
+{
+    static edml_point_q up;
+    memcpy(&up, data + 1, sizeof up);
+    if (data[0] % 4 != 0) {
+        up.x /= 1 << data[5] % 31;
+        up.y /= 1 << data[6] % 31;
+        up.z /= 1 << data[7] % 31;
+    }
+    return data[7] % 4 == 0 ? NULL : &up;
+}
+
+static const edml_model *some_model_q(uint8_t byte)
+{
+    static const edml_model *const models[] = {&edml_distances_w16, &edml_direct_w16, &edml_fconn_w16,
+                                               &edml_distances_w8,  &edml_direct_w8,  &edml_fconn_w8};
+    return models[byte % (sizeof models / sizeof *models)];
+}
+
+static void lift_integers_by_camera(const edml_keypoint_q in[], const uint8_t *data, edml_work_q *work)
+{
+    const edml_model *model = some_model_q(data[8]);
+    const int32_t focal = (int32_t)(65536 * some_focal_length(data[1] % 250)); /* to 7,600 */
+    const edml_camera_q camera = {focal, focal, in[data[2] % EDML_JOINTS].x, in[data[3] % EDML_JOINTS].y};
+    edml_pose_q pose, watched;
+    checked_tally taken;
+    const edml_status status = edml_lift_with_camera_q(&pose, in, some_up_q(data), &camera, model, work,
+                                                       sizeof *work);
+    check_status(status);
+    require(checked_lift_with_camera(&watched, in, some_up_q(data), &camera, model, &taken) == status,
+            "another status of a watched lift by a camera");
+    require(taken.overflows == 0, "a number of a lift by a camera overflows");
+    if (status != EDML_OK) return;
+    check_pose_q(&pose);
+    require(memcmp(&pose, &watched, offsetof(edml_pose_q, seen)) == 0, "not the pose of watched numbers");
+}
+
 static void lift_integers(const uint8_t *data)
 {
-    const edml_model *model = data[0] & 128 ? &edml_fconn_w16 : &edml_fconn_w8;
+    const edml_model *model = some_model_q(data[8]);
+    const edml_point_q *up = some_up_q(data);
     edml_keypoint_q in[EDML_JOINTS];
     edml_pose_q pose, watched;
     edml_work_q work;
@@ -199,13 +269,15 @@ static void lift_integers(const uint8_t *data)
     memset(&work, data[0], sizeof work);
     read_keypoints_q16(in, data);
 
-    const edml_status status = edml_lift_q(&pose, in, model, &work, sizeof work);
+    const edml_status status = edml_lift_q(&pose, in, up, model, &work, sizeof work);
     check_status(status);
     if (status == EDML_OK) check_pose_q(&pose);
-    require(checked_lift(&watched, in, model, &taken) == status, "another status of watched numbers");
+    require(checked_lift(&watched, in, up, model, &taken) == status, "another status of watched numbers");
     require(taken.overflows == 0, "a number overflows");
     require(memcmp(&pose, &watched, sizeof pose) == 0, "not the pose of watched numbers");
-    if (status == EDML_OK) place_integers(&pose, in, data, &work);
+    if (status != EDML_OK) return;
+    place_integers(&pose, in, data, &work);
+    lift_integers_by_camera(in, data, &work);
 }
 
 /* FConv takes hundreds of times as long: one input in 128. */
@@ -222,10 +294,10 @@ static void lift_by_convolutions(const uint8_t *data)
     read_keypoints(in, data);
     read_keypoints_q16(in_q, data);
     const edml_model *model = data[0] & 128 ? &edml_fconv_f32 : &edml_fconv_w8;
-    const edml_status status = edml_lift(&pose, in, model, &work, sizeof work);
+    const edml_status status = edml_lift(&pose, in, NULL, model, &work, sizeof work);
     check_status(status);
     if (status == EDML_OK) check_pose(&pose);
-    const edml_status other = edml_lift_q(&pose_q, in_q, &edml_fconv_w8, &work_q, sizeof work_q);
+    const edml_status other = edml_lift_q(&pose_q, in_q, NULL, &edml_fconv_w8, &work_q, sizeof work_q);
     check_status(other);
     if (other == EDML_OK) check_pose_q(&pose_q);
 }

@@ -15,7 +15,7 @@ int main(void)
         in[j].y = at[j][1];
         in[j].c = 1;
     }
-    const edml_status status = edml_lift(&pose, in, &edml_fconn_f32, &work, sizeof work);
+    const edml_status status = edml_lift(&pose, in, NULL, &edml_distances_f32, &work, sizeof work);
     printf("%s %s\n", edml_status_name(status), edml_joint_name(EDML_L_ANKLE));
     return status == EDML_OK ? 0 : 1;
 }

@@ -26,30 +26,35 @@ typedef int32_t api_real;
 #define FROM_API(a) (real(a) * 256)
 #define IS_FINITE(a) checked_range(a)
 #define MIN_MAGNITUDE (256 << 16)
+#define PIXELS(n) real((n) * 65536)
 #define PARAM(number) real((number).q24)
 #define WORK_BYTES(model) ((model)->work_bytes_q != 0 ? sizeof(edml_work) : 0)
-#define RUN_NETWORK(distance, edm, model, work) checked_network(distance, edm, model)
+#define RUN_NETWORK checked_network
 
 static inline bool checked_range(int32_t a) { return -(1 << 29) < a && a < 1 << 29; }
 static inline bool checked_range(real a) { return checked_range(a.value()); }
 template <typename T> bool checked_range(T) = delete; /* nothing that would be narrowed */
 template <> inline bool checked_range(int16_t a) { return checked_range(int32_t{a}); }
 
-/* The network has integers of its own, and the exporter proves their ranges. */
-static inline void checked_network(real *distance, const real *edm, const edml_model *model)
-{
-    static edml_fconv_work_q work;
-    int32_t values[EDML_PAIRS];
-    for (int k = 0; k < EDML_PAIRS; k++) values[k] = edm[k].value();
-    model->predict_q(values, values, model, &work.lift.scratch);
-    for (int k = 0; k < EDML_PAIRS; k++) distance[k] = values[k];
-}
-
 /* ---- Types with such numbers ---- */
 
 struct edml_keypoint_checked {
     pixels x, y;
     confidence c;
+};
+
+struct edml_image_point_checked {
+    real u, v;
+};
+
+struct edml_image_checked {
+    edml_image_point_checked at[EDML_JOINTS], down;
+    uint16_t seen;
+};
+
+struct edml_prediction_checked {
+    real distance[EDML_PAIRS], share[EDML_JOINTS];
+    point x[EDML_JOINTS];
 };
 
 struct edml_camera_checked {
@@ -77,14 +82,27 @@ struct edml_eigen_checked {
 };
 
 struct edml_work_checked {
-    real distance[EDML_PAIRS], matrix[EDML_JOINTS][EDML_JOINTS];
+    edml_image_checked image;
+    edml_prediction_checked prediction;
     point x[EDML_JOINTS];
-    struct { /* a union in edml_work_q */
-        real layer[2][EDML_MAX_UNITS];
+    struct { /* unions in edml_work_q */
+        real matrix[EDML_JOINTS][EDML_JOINTS], values[196];
+    } io;
+    struct {
         edml_jacobi_rotation_checked rotation[320];
         point step[4][EDML_JOINTS];
     } scratch;
 };
+
+/* The network has integers of its own, and the exporter proves their ranges. */
+static inline void checked_network(const edml_model *model, edml_work_checked *work)
+{
+    static edml_fconv_work_q memory;
+    int32_t *values = memory.lift.io.values;
+    for (int k = 0; k < model->inputs; k++) values[k] = work->io.values[k].value();
+    edml__run_network_q(model, &memory);
+    for (int k = 0; k < edml__output_values(model); k++) work->io.values[k] = values[k];
+}
 
 /* ---- Names, as in api_q.h ---- */
 
@@ -92,6 +110,9 @@ struct edml_work_checked {
 #define edml_point edml_point_q
 #define edml_pose edml_pose_q
 #define edml_work edml_work_checked
+#define edml_image edml_image_checked
+#define edml_image_point edml_image_point_checked
+#define edml_prediction edml_prediction_checked
 #define edml_camera edml_camera_checked
 #define edml_placement edml_placement_checked
 #define edml_body edml_body_q
@@ -100,15 +121,19 @@ struct edml_work_checked {
 #define edml_jacobi_rotation edml_jacobi_rotation_checked
 
 #define edml_adapt edml_adapt_checked
+#define edml_body_frame edml_body_frame_checked
 #define edml_edm edml_edm_checked
+#define edml_predict edml_predict_checked
 #define edml_jacobi edml_jacobi_checked
 #define edml_mds edml_mds_checked
 #define edml_refine edml_refine_checked
 #define edml_stress edml_stress_checked
 #define edml_mirror edml_mirror_checked
+#define edml_align edml_align_checked
 #define edml_orient edml_orient_checked
 #define edml_fuse edml_fuse_checked
 #define edml_lift edml_lift_checked
+#define edml_lift_with_camera edml_lift_with_camera_checked
 #define edml_place edml_place_checked
 #define edml_place_sweep edml_place_sweep_checked
 #define edml_fit_body edml_fit_body_checked
@@ -118,6 +143,9 @@ struct edml_work_checked {
 #define edml_reflect_by_joint_limits edml_reflect_by_joint_limits_checked
 
 /* ---- Ways in ---- */
+
+edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_point *up,
+                      const edml_model *model, void *work, size_t work_bytes); /* lift.cpp */
 
 /* Keypoints as these texts have them. */
 struct checked_keypoints {

@@ -13,12 +13,10 @@ extern "C" edml_status checked_fit_body(edml_pose_q *pose, const edml_body_q *bo
     return status;
 }
 
-extern "C" edml_status checked_quality(int32_t *quality, const edml_pose_q *pose,
-                                       const edml_keypoint_q in[EDML_JOINTS], checked_tally *taken)
+extern "C" edml_status checked_quality(int32_t *quality, const edml_pose_q *pose, checked_tally *taken)
 {
-    const checked_keypoints seen(in, EDML_JOINTS);
     tally = checked_tally();
-    const edml_status status = edml_quality_checked(quality, pose, seen.joint);
+    const edml_status status = edml_quality_checked(quality, pose);
     *taken = tally;
     return status;
 }

@@ -1,7 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 #include "api_checked.h"
 
+#include "optional/camera/lift_with_camera.h"
 #include "optional/camera/pnp.h"
+
+extern "C" edml_status checked_lift_with_camera(edml_pose_q *out, const edml_keypoint_q in[EDML_JOINTS],
+                                                const edml_point_q *up, const edml_camera_q *camera,
+                                                const edml_model *model, checked_tally *taken)
+{
+    edml_work_checked work;
+    const checked_keypoints seen(in, EDML_JOINTS);
+    const edml_camera_checked by = {camera->fx, camera->fy, camera->cx, camera->cy};
+    tally = checked_tally();
+    const edml_status status = edml_lift_with_camera_checked(out, seen.joint, up, &by, model, &work,
+                                                             sizeof work);
+    *taken = tally;
+    return status;
+}
 
 static void copy(edml_placement_q *out, const edml_placement_checked *placed)
 {

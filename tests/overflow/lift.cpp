@@ -15,43 +15,28 @@ static void copy(int32_t out[EDML_JOINTS][3], const point x[EDML_JOINTS])
 }
 
 extern "C" edml_status checked_lift(edml_pose_q *out, const edml_keypoint_q in[EDML_JOINTS],
-                                    const edml_model *model, checked_tally *taken)
+                                    const edml_point_q *up, const edml_model *model,
+                                    checked_tally *taken)
 {
     edml_work_checked work;
     const checked_keypoints seen(in, EDML_JOINTS);
     tally = checked_tally();
-    const edml_status status = edml_lift_checked(out, seen.joint, model, &work, sizeof work);
+    const edml_status status = edml_lift_checked(out, seen.joint, up, model, &work, sizeof work);
     *taken = tally;
     return status;
-}
-
-extern "C" void checked_points(int32_t out[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
-                               const edml_keypoint_q in[EDML_JOINTS], const edml_model *model,
-                               checked_tally *taken)
-{
-    edml_work_checked work;
-    const checked_keypoints seen(in, EDML_JOINTS);
-    point x[EDML_JOINTS];
-    tally = checked_tally();
-    for (int k = 0; k < EDML_PAIRS; k++) work.distance[k] = distance[k];
-    edml_mds_checked(x, work.distance, &work);
-    edml_stress_checked(x, work.distance, EDML_STRESS_RAW);
-    edml_mirror_checked(x, model);
-    edml_orient_checked(x, seen.joint, seen_joints(seen.joint));
-    edml_fuse_checked(x, seen.joint, seen_joints(seen.joint), model);
-    copy(out, x);
-    *taken = tally;
 }
 
 extern "C" int checked_refine(int32_t out[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
                               edml_objective objective, int steps, checked_tally *taken)
 {
     edml_work_checked work;
+    real between[EDML_PAIRS];
     point x[EDML_JOINTS];
     tally = checked_tally();
-    for (int k = 0; k < EDML_PAIRS; k++) work.distance[k] = distance[k];
-    edml_mds_checked(x, work.distance, &work);
-    const int steps_taken = edml_refine_checked(x, work.distance, objective, steps, &work);
+    for (int k = 0; k < EDML_PAIRS; k++) between[k] = distance[k];
+    edml_mds_checked(x, between, &work);
+    edml_stress_checked(x, between, objective);
+    const int steps_taken = edml_refine_checked(x, between, objective, steps, &work);
     copy(out, x);
     *taken = tally;
     return steps_taken;

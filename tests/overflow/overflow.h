@@ -23,15 +23,15 @@ typedef struct {
     long overflows; /* results, or numbers given to DIV and SQRT, that do not fit */
 } checked_tally;
 
-/* edml_lift_q(), and what it took. */
-edml_status checked_lift(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS], const edml_model *model,
-                         checked_tally *tally);
+/* edml_lift_q() and edml_lift_with_camera_q(), and what they took. */
+edml_status checked_lift(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS], const edml_point_q *up,
+                         const edml_model *model, checked_tally *tally);
+edml_status checked_lift_with_camera(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS],
+                                     const edml_point_q *up, const edml_camera_q *camera,
+                                     const edml_model *model, checked_tally *tally);
 
-/* What follows the network in a lift, of any distances: 0 to 3 m, Q24. */
-void checked_points(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
-                    const edml_keypoint_q in[EDML_JOINTS], const edml_model *model, checked_tally *tally);
-
-/* edml_refine_q() of the points of checked_points() before they are reflected and rotated. */
+/* edml_refine_q() of the points of edml_mds_q(), and the objective before it.
+ *   distance  0 to 3 m, Q24 */
 int checked_refine(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS], edml_objective objective,
                    int steps, checked_tally *tally);
 
@@ -49,8 +49,7 @@ edml_status checked_place_sweep(edml_placement_q *placement, edml_camera_q *came
 
 /* edml_fit_body_q(), edml_quality_q() and edml_stand_q(), and what they took. */
 edml_status checked_fit_body(edml_pose_q *pose, const edml_body_q *body, checked_tally *tally);
-edml_status checked_quality(int32_t *quality, const edml_pose_q *pose,
-                            const edml_keypoint_q in[EDML_JOINTS], checked_tally *tally);
+edml_status checked_quality(int32_t *quality, const edml_pose_q *pose, checked_tally *tally);
 edml_status checked_stand(edml_point_q out[EDML_JOINTS], const edml_pose_q *pose, edml_point_q up,
                           checked_tally *tally);
 

@@ -20,6 +20,7 @@ typedef checked<int64_t> wide;
 #define EPSILON 8
 #define MUL(a, b) checked_mul(a, b)
 #define DIV(a, b) checked_div(a, b)
+#define DIV12(a, b) checked_div12(a, b)
 #define SQRT(a) checked_sqrt(a)
 #define HYPOT(a, b) checked_norm(a, b, 0)
 #define NORM(a, b, c) checked_norm(a, b, c)
@@ -54,6 +55,14 @@ static inline real checked_div(real a, real b)
     const int64_t n = (int64_t)a.value() * (1 << 24), d = b.value();
     if (d == 0 || n / d >= INT32_MAX || n / d <= -INT32_MAX) return tally.overflows++, real(0);
     return real::from(edml__divide_q24(a.value(), b.value()));
+}
+
+static inline real checked_div12(real a, real b)
+{
+    tally.ratios++;
+    const int32_t divisor = b.value() >> 12, least = 1 << 9; /* 1/8 */
+    if (divisor < least || a < 0) return tally.overflows++, real(0);
+    return real::from((__int128)((a + divisor / 2).value() / divisor) * 4096);
 }
 
 static inline real checked_sqrt(real a)

@@ -6,13 +6,16 @@
 #include <stdio.h>
 
 #include "helpers.h"
+#include "network/model.h"
 #include "overflow.h"
 
 enum { ROOM = 1 << 29, THREE_METRES = 3 << 24 };
 
 static edml_work_q work;
 static edml_keypoint_q in[EDML_JOINTS];
-static const edml_model *const models[] = {&edml_fconn_w16, &edml_fconn_w8};
+static const edml_model *const models[] = {&edml_distances_w16, &edml_direct_w16, &edml_fconn_w16,
+                                           &edml_distances_w8,  &edml_direct_w8,  &edml_fconn_w8};
+enum { MODELS = (int)(sizeof models / sizeof models[0]) };
 
 static checked_tally worst, total;
 static long lifts;
@@ -30,18 +33,29 @@ static void keep_worst(const checked_tally *taken)
     lifts++;
 }
 
-static int lift_both(const edml_model *model)
+static int lift_both(const edml_point_q *up, const edml_model *model)
 {
     edml_pose_q expected, found;
     checked_tally taken;
     memset(&expected, 0, sizeof expected);
     memset(&found, 0, sizeof found);
-    const edml_status status = edml_lift_q(&expected, in, model, &work, sizeof work);
-    TEST_ASSERT_EQUAL_INT(status, checked_lift(&found, in, model, &taken));
+    const edml_status status = edml_lift_q(&expected, in, up, model, &work, sizeof work);
+    TEST_ASSERT_EQUAL_INT(status, checked_lift(&found, in, up, model, &taken));
     TEST_ASSERT_SAME_BYTES(expected, found);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
     if (status == EDML_OK) keep_worst(&taken);
     return status == EDML_OK;
+}
+
+/* Any upward direction, of any length; NULL for one in four. */
+static const edml_point_q *some_up(rng *r)
+{
+    static edml_point_q up;
+    const int shift = 2 + (int)(rng_bits(r) % 24);
+    up.x = (int32_t)rng_bits(r) >> shift;
+    up.y = (int32_t)rng_bits(r) >> shift;
+    up.z = (int32_t)rng_bits(r) >> shift;
+    return rng_bits(r) % 4 == 0 ? NULL : &up;
 }
 
 /* ---- Lifts --------------------------------------------------------------------------------------- */
@@ -57,7 +71,7 @@ static void people(void)
         for (int j = 0; j < EDML_JOINTS; j++)
             if (n % 3 == 0 && rng_bits(&r) % 8 == 0) image[j].c = 0;
         to_q16(in, image);
-        lift_both(models[n % 2]);
+        lift_both(some_up(&r), models[n % MODELS]);
     }
     printf("operations a lift, mean (largest): sums %ld (%ld), products %ld (%ld), ratios %ld (%ld), "
            "roots %ld (%ld)\n",
@@ -77,26 +91,27 @@ static void scattered_joints(void)
             in[j].y = (int32_t)(rng_bits(&r) >> shift);
             in[j].c = (int16_t)(n % 5 == 0 ? rng_bits(&r) % 4 : 1);
         }
-        lifted += lift_both(models[n % 2]);
+        lifted += lift_both(some_up(&r), models[n % MODELS]);
     }
     TEST_ASSERT_TRUE(lifted > 5000);
 }
 
-/* Every joint at an edge or a corner of the widest box there may be, here and at the ends of the
- * range: the largest moments, and the largest differences. */
-static void corners_of_the_widest_boxes(void)
+/* Every joint at an edge or a corner of a wide or a high box, here and at the ends of the range: the largest
+ * moments, and the largest differences. */
+static void corners_of_boxes(void)
 {
     rng r = rng_seed(83);
     int lifted = 0;
     for (int n = 0; n < 20000; n++) {
-        const int32_t half = n % 2 ? (ROOM - 1) / 3 : 40 << 16;
+        const int32_t half = n % 2 ? ROOM - 1 : 120 << 16;
+        const int32_t across = half / (1 + n / 2 % 3 * 2), along = half / (1 + n / 6 % 3 * 2);
         for (int j = 0; j < EDML_JOINTS; j++) {
-            in[j].x = rng_bits(&r) & 1 << 16 ? 3 * half : -3 * half;
-            in[j].y = rng_bits(&r) & 1 << 16 ? half : -half;
+            in[j].x = rng_bits(&r) & 1 << 16 ? across : -across;
+            in[j].y = rng_bits(&r) & 1 << 16 ? along : -along;
             if (rng_bits(&r) >> 29 == 0) in[j].x = in[j].y = 0;
-            in[j].c = 1;
+            in[j].c = n % 5 || rng_bits(&r) >> 29 ? 1 : 0;
         }
-        lifted += lift_both(models[n / 2 % 2]);
+        lifted += lift_both(some_up(&r), models[n / 2 % MODELS]);
     }
     TEST_ASSERT_TRUE(lifted > 5000);
 }
@@ -112,18 +127,34 @@ static void boxes_at_the_ends_of_the_range(void)
             in[j].y = ends[(rng_bits(&r) >> 8) % choice];
             in[j].c = 1;
         }
-        lift_both(models[n % 2]);
+        lift_both(some_up(&r), models[n % MODELS]);
     }
 }
 
-/* ---- Distances that no network need give --------------------------------------------------------- */
+/* ---- Numbers that no network need give --------------------------------------------------------- */
 
-static void check_distances(const int32_t distance[EDML_PAIRS])
+/* Stands in for a network: gives these numbers, whatever it reads. */
+static int32_t outputs[196];
+
+static void give(int32_t *out, const int32_t *read, const edml_model *model, void *scratch)
+{
+    (void)read, (void)scratch;
+    memcpy(out, outputs, (size_t)edml__output_values(model) * sizeof *out);
+}
+
+static void lift_what_is_given(rng *r, const edml_model *model)
+{
+    edml_model other = *model;
+    other.predict_q = give;
+    lift_both(some_up(r), &other);
+}
+
+static void check_distances(rng *r, const int32_t distance[EDML_PAIRS])
 {
     int32_t x[EDML_JOINTS][3];
     checked_tally taken;
-    checked_points(x, distance, in, &edml_fconn_w16, &taken);
-    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    memcpy(outputs, distance, EDML_PAIRS * sizeof *outputs);
+    lift_what_is_given(r, &edml_fconn_w16);
     for (int objective = EDML_STRESS_SQUARE; objective <= EDML_STRESS_EQ2; objective++) {
         checked_refine(x, distance, (edml_objective)objective, 6, &taken);
         TEST_ASSERT_EQUAL_INT(0, taken.overflows);
@@ -148,7 +179,7 @@ static void any_distances_up_to_three_metres(void)
         const int shift = n % 20;
         for (int k = 0; k < EDML_PAIRS; k++)
             distance[k] = (int32_t)(rng_bits(&r) % (THREE_METRES + 1)) >> shift;
-        check_distances(distance);
+        check_distances(&r, distance);
     }
 }
 
@@ -161,7 +192,7 @@ static void distances_of_nothing_and_three_metres(void)
         an_image(&r);
         for (int k = 0; k < EDML_PAIRS; k++)
             distance[k] = rng_bits(&r) % 8 < (uint32_t)(n % 9) ? THREE_METRES : 0;
-        check_distances(distance);
+        check_distances(&r, distance);
     }
 }
 
@@ -177,8 +208,49 @@ static void crowds_three_metres_apart(void)
         for (int i = 0; i < EDML_JOINTS; i++)
             for (int j = i + 1; j < EDML_JOINTS; j++)
                 distance[EDML_PAIR(i, j)] = place[i] == place[j] ? 0 : THREE_METRES;
-        check_distances(distance);
+        check_distances(&r, distance);
     }
+}
+
+/* Outputs of an equivariant network, each -3 to 3 m: anything, small ones, or nothing between; of people and
+ * of joints anywhere. */
+static void any_outputs_up_to_three_metres(void)
+{
+    rng r = rng_seed(91);
+    for (int n = 0; n < 6000; n++) {
+        const int shift = n % 3 ? 0 : n / 3 % 24;
+        an_image(&r);
+        for (int j = 0; j < EDML_JOINTS && n % 4 == 0; j++) {
+            in[j].x = (int32_t)rng_bits(&r) >> 4;
+            in[j].y = (int32_t)rng_bits(&r) >> 4;
+        }
+        for (int k = 0; k < 196; k++) {
+            const uint32_t bits = rng_bits(&r);
+            const int32_t ends[] = {THREE_METRES, -THREE_METRES, 0, THREE_METRES};
+            outputs[k] = n % 3 == 2 ? ends[(bits >> 16) % (n % 2 ? 2 : 4)]
+                                  : ((int32_t)(bits % (2 * THREE_METRES + 1)) - THREE_METRES) / (1 << shift);
+        }
+        lift_what_is_given(&r, n % 2 ? &edml_distances_w16 : &edml_direct_w16);
+    }
+}
+
+/* A network for which missing joints are nowhere, in an image that is not turned. */
+static void networks_without_imputation(void)
+{
+    rng r = rng_seed(92);
+    edml_model model = edml_fconn_w16;
+    model.imputation = NULL;
+    int lifted = 0;
+    for (int n = 0; n < 5000; n++) {
+        const int shift = 3 + n % 17;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x = (int32_t)rng_bits(&r) >> shift;
+            in[j].y = (int32_t)rng_bits(&r) >> shift;
+            in[j].c = (int16_t)(rng_bits(&r) >> 29);
+        }
+        lifted += lift_both(some_up(&r), &model);
+    }
+    TEST_ASSERT_TRUE(lifted > 1000);
 }
 
 /* ---- Placements ---------------------------------------------------------------------------------- */
@@ -244,6 +316,33 @@ static void placements(void)
     TEST_ASSERT_TRUE(placed > 2500);
 }
 
+/* The same scenes lifted by a camera that is known. */
+static void lifts_with_a_camera(void)
+{
+    rng r = rng_seed(93);
+    int lifted = 0;
+    for (int n = 0; n < 5000; n++) {
+        edml_pose pose;
+        edml_camera by;
+        edml_pose_q expected, found;
+        checked_tally taken;
+        random_scene(&r, n, &pose, &by);
+        memset(&expected, 0, sizeof expected);
+        memset(&found, 0, sizeof found);
+        const edml_camera_q camera = camera_to_q16(by);
+        const edml_model *const model = models[n % MODELS];
+        const edml_point_q *const up = some_up(&r);
+        const edml_status status = edml_lift_with_camera_q(&expected, in, up, &camera, model, &work,
+                                                           sizeof work);
+        TEST_ASSERT_EQUAL_INT(status, checked_lift_with_camera(&found, in, up, &camera, model, &taken));
+        TEST_ASSERT_EQUAL_MEMORY(&expected, &found, offsetof(edml_pose_q, seen)); /* no padding */
+        TEST_ASSERT_EQUAL_INT(expected.seen, found.seen);
+        TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+        lifted += status == EDML_OK;
+    }
+    TEST_ASSERT_TRUE(lifted > 2000);
+}
+
 /* Anything at all, in an image of a quarter pixel or of the whole range. */
 static void placements_of_noise(void)
 {
@@ -303,7 +402,7 @@ static void same_fit_and_quality(const edml_pose_q *pose, const edml_body_q *bod
     TEST_ASSERT_EQUAL_INT(edml_fit_body_q(&expected, body), checked_fit_body(&found, body, &taken));
     TEST_ASSERT_SAME_BYTES(expected, found);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
-    TEST_ASSERT_EQUAL_INT(edml_quality_q(&quality, pose, in), checked_quality(&other, pose, in, &taken));
+    TEST_ASSERT_EQUAL_INT(edml_quality_q(&quality, pose), checked_quality(&other, pose, &taken));
     TEST_ASSERT_EQUAL_INT32(quality, other);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
 }
@@ -349,17 +448,12 @@ static void poses_of_any_size(void)
         for (int j = 0; j < EDML_JOINTS && n % 5 == 0; j++)
             if (rng_bits(&r) % 2) pose.joint[j].y = rng_bits(&r) % 2 ? 3.9999F : -3.9999F;
         pose_to_q16(&given, &pose);
-        given.mirror_margin = (int32_t)(rng_bits(&r) >> (1 + shift));
-        given.residual = (int32_t)(rng_bits(&r) >> (1 + shift));
+        given.misfit = (int32_t)(rng_bits(&r) >> (1 + shift));
+        given.seen = (uint16_t)(ALL_SEEN & ~(1U << rng_bits(&r) % 16));
         if (n % 2) body.height = (int32_t)(65536 * uniform(&r, 0.5F, 2.5F));
         for (int k = 0; k < EDML_BONES; k++)
             if (n % 7 < 3 && rng_bits(&r) % 2) body.bone[k] = (int32_t)(65536 * uniform(&r, 0.1F, 0.5F));
         if (n % 11 == 0) body.bone[n % EDML_BONES] = (int32_t)rng_bits(&r) >> shift;
-        for (int j = 0; j < EDML_JOINTS; j++) {
-            in[j].x = (int32_t)rng_bits(&r) >> (2 + shift);
-            in[j].y = (int32_t)rng_bits(&r) >> (2 + shift);
-            in[j].c = rng_bits(&r) % 8 ? 1 : 0;
-        }
         const edml_point_q up = {(int32_t)rng_bits(&r) >> shift, (int32_t)rng_bits(&r) >> shift,
                                  (int32_t)rng_bits(&r) >> shift};
         same_fit_and_quality(&given, &body);
@@ -404,14 +498,17 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(people);
     RUN_TEST(scattered_joints);
-    RUN_TEST(corners_of_the_widest_boxes);
+    RUN_TEST(corners_of_boxes);
     RUN_TEST(boxes_at_the_ends_of_the_range);
     RUN_TEST(any_distances_up_to_three_metres);
     RUN_TEST(distances_of_nothing_and_three_metres);
     RUN_TEST(crowds_three_metres_apart);
+    RUN_TEST(any_outputs_up_to_three_metres);
+    RUN_TEST(networks_without_imputation);
     RUN_TEST(placements);
     RUN_TEST(placements_of_noise);
     RUN_TEST(placements_with_unknown_focal_length);
+    RUN_TEST(lifts_with_a_camera);
     RUN_TEST(poses_of_any_size);
     RUN_TEST(keypoints_of_any_detector);
     return UNITY_END();

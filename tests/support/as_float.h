@@ -10,6 +10,7 @@
 #include "helpers.h"
 
 #ifdef EDML_TEST_Q24
+#define edml_body_frame q24_body_frame
 #define edml_edm q24_edm
 #define edml_predict q24_predict
 #define edml_jacobi q24_jacobi
@@ -17,9 +18,11 @@
 #define edml_refine q24_refine
 #define edml_stress q24_stress
 #define edml_mirror q24_mirror
+#define edml_align q24_align
 #define edml_orient q24_orient
 #define edml_fuse q24_fuse
 #define edml_lift q24_lift
+#define edml_lift_with_camera q24_lift_with_camera
 #define edml_adapt q24_adapt
 #define edml_place q24_place
 #define edml_place_sweep q24_place_sweep
@@ -29,6 +32,8 @@
 #define edml_joint_limits q24_joint_limits
 #define edml_reflect_by_joint_limits q24_reflect_by_joint_limits
 #define edml_fconn_f32 edml_fconn_w16
+#define edml_direct_f32 edml_direct_w16
+#define edml_distances_f32 edml_distances_w16
 #endif
 
 #endif

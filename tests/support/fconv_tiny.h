@@ -54,7 +54,8 @@ static void tiny_layer(int n, int inputs, int outputs, int scale, uint32_t *stat
     tiny_layers_w8[n] = w8;
 }
 
-/* With the limits and mirror weights of the shipped FConn, which is small: bits.c runs on small cores. */
+/* With the limits and mirror weights of the shipped FConn, which is small, because bits.c runs on small cores;
+ * without its refinement, which enlarges what rounding does to distances as poor as these. */
 static edml_model tiny_model(const void *layers)
 {
     uint32_t state = 2017;
@@ -68,6 +69,8 @@ static edml_model tiny_model(const void *layers)
     model.predict_f32 = NULL;
     model.layers = layers;
     model.layer_count = TINY_LAYERS;
+    model.objective = EDML_STRESS_NONE;
+    model.refine_steps = 0;
     model.work_bytes = sizeof(edml_fconv_work);
     return model;
 }

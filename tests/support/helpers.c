@@ -168,6 +168,26 @@ void photograph(edml_keypoint in[EDML_JOINTS], const edml_point x[EDML_JOINTS])
     }
 }
 
+void draw_image(edml_image *image, const edml_point x[EDML_JOINTS], uint16_t seen)
+{
+    memset(image, 0, sizeof *image);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        if (!(seen >> j & 1)) continue;
+        image->at[j].u = x[j].x / 0.85F;
+        image->at[j].v = x[j].y / 0.85F;
+    }
+    image->down.v = 1;
+    image->seen = seen;
+}
+
+void turn_to_camera(edml_point x[EDML_JOINTS], edml_image_point down)
+{
+    const double u = (double)down.u, v = (double)down.v;
+    const rotation3 turn = {{{v, u, 0}, {-u, v, 0}, {0, 0, 1}}};
+    rotate_points(x, turn, x);
+    root_at_mid_hip(x);
+}
+
 /* ---- Comparisons ----------------------------------------------------------------------------- */
 
 float worse(float a, float b) { return a > b || isnan(a) ? a : b; }

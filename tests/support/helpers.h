@@ -52,6 +52,12 @@ void noisy_distances(rng *r, float d[EDML_PAIRS], const edml_point x[EDML_JOINTS
 /* A scaled-orthographic photograph, 200 pixels a metre, all joints seen. */
 void photograph(edml_keypoint in[EDML_JOINTS], const edml_point x[EDML_JOINTS]);
 
+/* The same as an image that is not turned, 0.85 m being 1; (0, 0, any depth) is at its origin. */
+void draw_image(edml_image *image, const edml_point x[EDML_JOINTS], uint16_t seen);
+
+/* From the body's frame, of which `down` is an axis, to the camera's axes; mid-hip becomes the origin. */
+void turn_to_camera(edml_point x[EDML_JOINTS], edml_image_point down);
+
 /* The larger one; NaN is the largest of all. */
 float worse(float a, float b);
 

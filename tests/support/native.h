@@ -16,9 +16,9 @@ typedef edml_pose pose_f32;
 typedef edml_work work_f32;
 
 static inline edml_status lift_f32(pose_f32 *pose, const keypoint_f32 in[EDML_JOINTS],
-                                   const edml_model *model, work_f32 *work)
+                                   const point_f32 *up, const edml_model *model, work_f32 *work)
 {
-    return edml_lift(pose, in, model, work, sizeof *work);
+    return edml_lift(pose, in, up, model, work, sizeof *work);
 }
 
 static inline int refine_f32(point_f32 x[EDML_JOINTS], const float distance[EDML_PAIRS],
@@ -37,6 +37,8 @@ static inline float stress_f32(const point_f32 x[EDML_JOINTS], const float dista
 
 #include "api/api_q.h"
 
+#define DIRECT edml_direct_w16
+#define DISTANCES edml_distances_w16
 #define FCONN edml_fconn_w16
 #define FCONV edml_fconv_w8
 #define PREDICT predict_q /* a model's network */
@@ -48,6 +50,7 @@ static inline real to_real(float a) { return (real)lrint((double)a * 16777216.0)
 static inline float from_real(real a) { return (float)(a / 16777216.0); }
 static inline pixels to_pixels(float a) { return (pixels)lrint((double)a * 65536.0); }
 static inline float from_api(api_real a) { return (float)(a / 65536.0); }
+static inline edml_point to_api_point(point_f32 p) { return point_to_q16(p); }
 
 static inline void to_keypoints(edml_keypoint out[EDML_JOINTS], const keypoint_f32 in[EDML_JOINTS])
 {
@@ -58,6 +61,8 @@ static inline void to_keypoints(edml_keypoint out[EDML_JOINTS], const keypoint_f
 
 #include "api/api_f32.h"
 
+#define DIRECT edml_direct_f32
+#define DISTANCES edml_distances_f32
 #define FCONN edml_fconn_f32
 #define FCONV edml_fconv_f32
 #define PREDICT predict_f32
@@ -67,6 +72,7 @@ static inline real to_real(float a) { return a; }
 static inline float from_real(real a) { return a; }
 static inline pixels to_pixels(float a) { return a; }
 static inline float from_api(api_real a) { return a; }
+static inline edml_point to_api_point(point_f32 p) { return p; }
 
 static inline void to_keypoints(edml_keypoint out[EDML_JOINTS], const keypoint_f32 in[EDML_JOINTS])
 {
@@ -112,8 +118,7 @@ static inline pose_f32 from_pose(const edml_pose *pose)
         out.joint[j].y = from_api(pose->joint[j].y);
         out.joint[j].z = from_api(pose->joint[j].z);
     }
-    out.mirror_margin = from_api(pose->mirror_margin);
-    out.residual = from_api(pose->residual);
+    out.misfit = from_api(pose->misfit);
     out.seen = pose->seen;
     return out;
 }

@@ -45,6 +45,12 @@ static edml_point point_from_q16(edml_point_q p)
     return q;
 }
 
+edml_point_q point_to_q16(edml_point p)
+{
+    const edml_point_q q = {q16(p.x), q16(p.y), q16(p.z)};
+    return q;
+}
+
 void pose_to_q16(edml_pose_q *out, const edml_pose *pose)
 {
     memset(out, 0, sizeof *out);
@@ -53,8 +59,15 @@ void pose_to_q16(edml_pose_q *out, const edml_pose *pose)
         out->joint[j].y = q16(pose->joint[j].y);
         out->joint[j].z = q16(pose->joint[j].z);
     }
-    out->mirror_margin = q16(pose->mirror_margin);
-    out->residual = q16(pose->residual);
+    out->misfit = q16(pose->misfit);
+    out->seen = pose->seen;
+}
+
+static void pose_from_q16(edml_pose *out, const edml_pose_q *pose)
+{
+    for (int j = 0; j < EDML_JOINTS; j++) out->joint[j] = point_from_q16(pose->joint[j]);
+    out->misfit = from_q16(pose->misfit);
+    out->seen = pose->seen;
 }
 
 edml_camera_q camera_to_q16(edml_camera camera)
@@ -68,22 +81,52 @@ static int32_t values[EDML_PAIRS];
 static edml_point_q24 points[EDML_JOINTS];
 static edml_keypoint_q keypoints[EDML_JOINTS];
 
-edml_status q24_edm(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest_joints,
-                    float max_aspect, const edml_imputation *imputation)
+void image_to_q24(edml_image_q *out, const edml_image *image)
 {
-    to_q16(keypoints, in);
-    const edml_status status = edml_edm_q(values, keypoints, fewest_joints, q24(max_aspect), imputation);
-    if (status == EDML_OK) all_floats(edm, values, EDML_PAIRS);
+    memset(out, 0, sizeof *out);
+    all_q24(&out->at[0].u, &image->at[0].u, 2 * EDML_JOINTS);
+    all_q24(&out->down.u, &image->down.u, 2);
+    out->seen = image->seen;
+}
+
+edml_status q24_body_frame(edml_image *image, const edml_keypoint in[EDML_JOINTS], int fewest_joints,
+                           const edml_imputation *imputation)
+{
+    edml_image_q framed;
+    if (in != NULL) to_q16(keypoints, in);
+    const edml_status status = edml_body_frame_q(image != NULL ? &framed : NULL,
+                                                 in != NULL ? keypoints : NULL, fewest_joints, imputation);
+    if (status != EDML_OK) return status;
+    all_floats(&image->at[0].u, &framed.at[0].u, 2 * EDML_JOINTS);
+    all_floats(&image->down.u, &framed.down.u, 2);
+    image->seen = framed.seen;
     return status;
 }
 
-edml_status q24_predict(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,
-                        void *work, size_t work_bytes)
+void q24_edm(float edm[EDML_PAIRS], const edml_image *image)
 {
+    edml_image_q given;
+    image_to_q24(&given, image);
+    edml_edm_q(values, &given);
+    all_floats(edm, values, EDML_PAIRS);
+}
+
+edml_status q24_predict(edml_prediction *out, const edml_image *image, const edml_point *up,
+                        const edml_model *model, void *work, size_t work_bytes)
+{
+    static edml_prediction_q said;
+    edml_image_q given;
+    edml_point_q24 upwards;
     (void)work, (void)work_bytes;
-    all_q24(values, edm, EDML_PAIRS);
-    const edml_status status = edml_predict_q(values, values, model, &memory, sizeof memory);
-    if (status == EDML_OK) all_floats(distance, values, EDML_PAIRS);
+    image_to_q24(&given, image);
+    memset(&said, 0, sizeof said);
+    if (up != NULL) all_q24(&upwards.x, &up->x, 3);
+    const edml_status status = edml_predict_q(&said, &given, up != NULL ? &upwards : NULL, model, &memory,
+                                              sizeof memory);
+    if (status != EDML_OK) return status;
+    all_floats(out->distance, said.distance, EDML_PAIRS);
+    all_floats(out->share, said.share, EDML_JOINTS);
+    all_floats(&out->x[0].x, &said.x[0].x, 3 * EDML_JOINTS);
     return status;
 }
 
@@ -133,41 +176,67 @@ float q24_mirror(edml_point x[EDML_JOINTS], const edml_model *model)
     return to_float(margin);
 }
 
-edml_status q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen)
+void q24_align(edml_point x[EDML_JOINTS], const edml_point onto[EDML_JOINTS], const edml_model *model)
 {
-    to_q16(keypoints, in);
+    edml_point_q24 given[EDML_JOINTS];
     all_q24(&points->x, &x->x, 3 * EDML_JOINTS);
-    const edml_status status = edml_orient_q(points, keypoints, seen);
+    all_q24(&given->x, &onto->x, 3 * EDML_JOINTS);
+    edml_align_q(points, given, model);
+    all_floats(&x->x, &points->x, 3 * EDML_JOINTS);
+}
+
+edml_status q24_orient(edml_point x[EDML_JOINTS], const edml_image *image)
+{
+    edml_image_q given;
+    image_to_q24(&given, image);
+    all_q24(&points->x, &x->x, 3 * EDML_JOINTS);
+    const edml_status status = edml_orient_q(points, &given);
     if (status == EDML_OK) all_floats(&x->x, &points->x, 3 * EDML_JOINTS);
     return status;
 }
 
-void q24_fuse(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
-              const edml_model *model)
+float q24_fuse(edml_point x[EDML_JOINTS], const edml_image *image, const float share[EDML_JOINTS],
+               const edml_model *model)
 {
-    to_q16(keypoints, in);
+    edml_image_q given;
+    image_to_q24(&given, image);
     all_q24(&points->x, &x->x, 3 * EDML_JOINTS);
-    edml_fuse_q(points, keypoints, seen, model);
+    all_q24(values, share, EDML_JOINTS);
+    const int32_t misfit = edml_fuse_q(points, &given, values, model);
     all_floats(&x->x, &points->x, 3 * EDML_JOINTS);
+    return to_float(misfit);
 }
 
-edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
-                     void *work, size_t work_bytes)
+edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_point *up,
+                     const edml_model *model, void *work, size_t work_bytes)
 {
     (void)work_bytes;
     edml_pose_q lifted;
+    edml_point_q upwards;
     if (in != NULL) to_q16(keypoints, in);
+    if (up != NULL) upwards = point_to_q16(*up);
     const edml_status status = edml_lift_q(pose != NULL ? &lifted : NULL, in != NULL ? keypoints : NULL,
-                                           model, work != NULL ? &memory : NULL, sizeof memory);
-    if (status != EDML_OK) return status;
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        pose->joint[j].x = (float)(lifted.joint[j].x / 65536.0);
-        pose->joint[j].y = (float)(lifted.joint[j].y / 65536.0);
-        pose->joint[j].z = (float)(lifted.joint[j].z / 65536.0);
-    }
-    pose->mirror_margin = (float)(lifted.mirror_margin / 65536.0);
-    pose->residual = (float)(lifted.residual / 65536.0);
-    pose->seen = lifted.seen;
+                                           up != NULL ? &upwards : NULL, model,
+                                           work != NULL ? &memory : NULL, sizeof memory);
+    if (status == EDML_OK) pose_from_q16(pose, &lifted);
+    return status;
+}
+
+edml_status q24_lift_with_camera(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
+                                 const edml_point *up, const edml_camera *camera, const edml_model *model,
+                                 void *work, size_t work_bytes)
+{
+    (void)work_bytes;
+    edml_pose_q lifted;
+    edml_point_q upwards;
+    edml_camera_q by;
+    if (in != NULL) to_q16(keypoints, in);
+    if (up != NULL) upwards = point_to_q16(*up);
+    if (camera != NULL) by = camera_to_q16(*camera);
+    const edml_status status = edml_lift_with_camera_q(
+        pose != NULL ? &lifted : NULL, in != NULL ? keypoints : NULL, up != NULL ? &upwards : NULL,
+        camera != NULL ? &by : NULL, model, work != NULL ? &memory : NULL, sizeof memory);
+    if (status == EDML_OK) pose_from_q16(pose, &lifted);
     return status;
 }
 
@@ -246,14 +315,12 @@ edml_status q24_fit_body(edml_pose *pose, const edml_body *body)
     return status;
 }
 
-edml_status q24_quality(float *quality, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS])
+edml_status q24_quality(float *quality, const edml_pose *pose)
 {
     edml_pose_q given;
     int32_t found;
     if (pose != NULL) pose_to_q16(&given, pose);
-    if (in != NULL) to_q16(keypoints, in);
-    const edml_status status = edml_quality_q(quality != NULL ? &found : NULL, pose != NULL ? &given : NULL,
-                                              in != NULL ? keypoints : NULL);
+    const edml_status status = edml_quality_q(quality != NULL ? &found : NULL, pose != NULL ? &given : NULL);
     if (status == EDML_OK) *quality = from_q16(found);
     return status;
 }
@@ -262,7 +329,7 @@ edml_status q24_stand(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_p
 {
     edml_pose_q given;
     edml_point_q stood[EDML_JOINTS];
-    const edml_point_q upwards = {q16(up.x), q16(up.y), q16(up.z)};
+    const edml_point_q upwards = point_to_q16(up);
     if (pose != NULL) pose_to_q16(&given, pose);
     const edml_status status = edml_stand_q(out != NULL ? stood : NULL, pose != NULL ? &given : NULL,
                                             upwards);
@@ -287,6 +354,5 @@ edml_status q24_reflect_by_joint_limits(int *fewer, edml_pose *pose)
     const edml_status status = edml_reflect_by_joint_limits_q(fewer, &chosen);
     if (memcmp(&given, &chosen, sizeof given) == 0) return status;
     for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j] = point_from_q16(chosen.joint[j]);
-    pose->mirror_margin = from_q16(chosen.mirror_margin);
     return status;
 }

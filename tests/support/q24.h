@@ -15,11 +15,14 @@
 void to_q16(edml_keypoint_q out[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS]);
 void pose_to_q16(edml_pose_q *out, const edml_pose *pose);
 edml_camera_q camera_to_q16(edml_camera camera);
+edml_point_q point_to_q16(edml_point p);
+void image_to_q24(edml_image_q *out, const edml_image *image);
 
-edml_status q24_edm(float edm[EDML_PAIRS], const edml_keypoint in[EDML_JOINTS], int fewest_joints,
-                    float max_aspect, const edml_imputation *imputation);
-edml_status q24_predict(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model,
-                        void *work, size_t work_bytes);
+edml_status q24_body_frame(edml_image *image, const edml_keypoint in[EDML_JOINTS], int fewest_joints,
+                           const edml_imputation *imputation);
+void q24_edm(float edm[EDML_PAIRS], const edml_image *image);
+edml_status q24_predict(edml_prediction *out, const edml_image *image, const edml_point *up,
+                        const edml_model *model, void *work, size_t work_bytes);
 void q24_jacobi(edml_eigen *eigen, const edml_matrix *a);
 void q24_mds(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_work *work);
 int q24_refine(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml_objective objective,
@@ -27,11 +30,15 @@ int q24_refine(edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS], edml
 float q24_stress(const edml_point x[EDML_JOINTS], const float distance[EDML_PAIRS],
                  edml_objective objective);
 float q24_mirror(edml_point x[EDML_JOINTS], const edml_model *model);
-edml_status q24_orient(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen);
-void q24_fuse(edml_point x[EDML_JOINTS], const edml_keypoint in[EDML_JOINTS], uint16_t seen,
-              const edml_model *model);
-edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_model *model,
-                     void *work, size_t work_bytes);
+void q24_align(edml_point x[EDML_JOINTS], const edml_point onto[EDML_JOINTS], const edml_model *model);
+edml_status q24_orient(edml_point x[EDML_JOINTS], const edml_image *image);
+float q24_fuse(edml_point x[EDML_JOINTS], const edml_image *image, const float share[EDML_JOINTS],
+               const edml_model *model);
+edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_point *up,
+                     const edml_model *model, void *work, size_t work_bytes);
+edml_status q24_lift_with_camera(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
+                                 const edml_point *up, const edml_camera *camera, const edml_model *model,
+                                 void *work, size_t work_bytes);
 void q24_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const edml_format *format);
 edml_status q24_place(edml_placement *placement, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
                       const edml_camera *camera, void *work, size_t work_bytes);
@@ -40,7 +47,7 @@ edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, cons
                             size_t work_bytes);
 
 edml_status q24_fit_body(edml_pose *pose, const edml_body *body);
-edml_status q24_quality(float *quality, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS]);
+edml_status q24_quality(float *quality, const edml_pose *pose);
 edml_status q24_joint_limits(int *violations, const edml_pose *pose);
 edml_status q24_reflect_by_joint_limits(int *fewer, edml_pose *pose);
 edml_status q24_stand(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_point up);

@@ -4,6 +4,8 @@
  *
  * The input comes from integers and single float operations, so that it is the same as well.
  *
+ * -DPARTS=N prints a part, so that it fits a small flash: 1 what distances lifts, 2 direct, 4 fconn, 8 the rest.
+ *
  * SPDX-License-Identifier: MIT
  */
 #include <stdio.h>
@@ -15,6 +17,10 @@
 #include "edmlift/stages.h"
 #include "../support/fconv_tiny.h"
 #include "number/real_f32.h" /* its input, too, is the same with fused operations switched on */
+
+#ifndef PARTS
+#define PARTS 15
+#endif
 
 enum { POSES = 200, MATRICES = 12, SHAPES = 12, STEPS = 6, NETS = 4 };
 
@@ -56,6 +62,25 @@ static void hard_pose(edml_keypoint in[EDML_JOINTS], int n)
     if (n % 50 == 47) in[draw(EDML_JOINTS)].x /= 0.0F * in[0].c; /* infinity */
 }
 
+/* Any direction; every other pose has none. */
+static const edml_point *some_up(int n)
+{
+    static edml_point up;
+    up.x = draw_float();
+    up.y = draw_float();
+    up.z = draw_float();
+    return n % 2 ? &up : NULL;
+}
+
+static const edml_point_q *some_up_q16(int n)
+{
+    static edml_point_q up;
+    up.x = draw(2049) - 1024;
+    up.y = draw(2049) - 1024;
+    up.z = draw(2049) - 1024;
+    return n % 2 ? &up : NULL;
+}
+
 static int lift_poses(const edml_model *model)
 {
     int lifted = 0;
@@ -64,7 +89,7 @@ static int lift_poses(const edml_model *model)
         edml_pose pose;
         memset(&pose, 0, sizeof pose);
         hard_pose(in, n);
-        const int8_t status = (int8_t)edml_lift(&pose, in, model, &work, sizeof work);
+        const int8_t status = (int8_t)edml_lift(&pose, in, some_up(n), model, &work, sizeof work);
         add_bytes(&status, sizeof status);
         add_bytes(&pose, sizeof pose);
         lifted += status == EDML_OK;
@@ -97,7 +122,8 @@ static int lift_poses_q24(const edml_model *model)
         edml_pose_q pose;
         memset(&pose, 0, sizeof pose);
         hard_pose_q16(in, n);
-        const int8_t status = (int8_t)edml_lift_q(&pose, in, model, &work_q24, sizeof work_q24);
+        const int8_t status = (int8_t)edml_lift_q(&pose, in, some_up_q16(n), model, &work_q24,
+                                                  sizeof work_q24);
         add_bytes(&status, sizeof status);
         add_bytes(&pose, sizeof pose);
         lifted += status == EDML_OK;
@@ -105,7 +131,7 @@ static int lift_poses_q24(const edml_model *model)
     return lifted;
 }
 
-/* What was lifted of hard poses, before cameras of many focal lengths. */
+/* Hard poses, lifted by cameras of many focal lengths, and placed before them. */
 static int place_poses(void)
 {
     int placed = 0;
@@ -115,9 +141,12 @@ static int place_poses(void)
         edml_placement placement;
         memset(&placement, 0, sizeof placement);
         hard_pose(in, n);
-        if (edml_lift(&pose, in, &edml_fconn_f32, &work, sizeof work) != EDML_OK) continue;
         const float focal = (float)(500 + draw(2000));
         const edml_camera camera = {focal, focal, 1000, 0};
+        if (edml_lift_with_camera(&pose, in, some_up(n), &camera, &edml_distances_f32, &work, sizeof work) !=
+            EDML_OK)
+            continue;
+        add_bytes(pose.joint, sizeof pose.joint);
         const int8_t status = (int8_t)edml_place(&placement, &pose, in, &camera, &work, sizeof work);
         add_bytes(&status, sizeof status);
         add_bytes(&placement, sizeof placement);
@@ -135,9 +164,12 @@ static int place_poses_q24(void)
         edml_placement_q placement;
         memset(&placement, 0, sizeof placement);
         hard_pose_q16(in, n);
-        if (edml_lift_q(&pose, in, &edml_fconn_w16, &work_q24, sizeof work_q24) != EDML_OK) continue;
         const int32_t focal = (500 + draw(2000)) * 65536;
         const edml_camera_q camera = {focal, focal, 1000 * 65536, 0};
+        if (edml_lift_with_camera_q(&pose, in, some_up_q16(n), &camera, &edml_distances_w16, &work_q24,
+                                    sizeof work_q24) != EDML_OK)
+            continue;
+        add_bytes(pose.joint, sizeof pose.joint);
         const int8_t status = (int8_t)edml_place_q(&placement, &pose, in, &camera, &work_q24, sizeof work_q24);
         add_bytes(&status, sizeof status);
         add_bytes(&placement, sizeof placement);
@@ -158,9 +190,9 @@ static int resize_poses(void)
         const edml_point up = {draw_float(), draw_float(), draw_float()};
         if (n % 3 == 0) owner.bone[draw(EDML_BONES)] = 0.3F + 0.0625F * draw_float();
         hard_pose(in, n);
-        if (edml_lift(&pose, in, &edml_fconn_f32, &work, sizeof work) != EDML_OK) continue;
+        if (edml_lift(&pose, in, NULL, &edml_distances_f32, &work, sizeof work) != EDML_OK) continue;
         float quality = 0;
-        edml_quality(&quality, &pose, in);
+        edml_quality(&quality, &pose);
         add_bytes(&quality, sizeof quality);
         if (edml_stand(stood, &pose, up) == EDML_OK) add_bytes(stood, sizeof stood);
         const int8_t status = (int8_t)edml_fit_body(&pose, &owner);
@@ -182,9 +214,10 @@ static int resize_poses_q24(void)
         const edml_point_q up = {draw(2049) - 1024, draw(2049) - 1024, draw(2049) - 1024};
         if (n % 3 == 0) owner.bone[draw(EDML_BONES)] = 16384 + 4 * draw(2049);
         hard_pose_q16(in, n);
-        if (edml_lift_q(&pose, in, &edml_fconn_w16, &work_q24, sizeof work_q24) != EDML_OK) continue;
+        if (edml_lift_q(&pose, in, NULL, &edml_distances_w16, &work_q24, sizeof work_q24) != EDML_OK)
+            continue;
         int32_t quality = 0;
-        edml_quality_q(&quality, &pose, in);
+        edml_quality_q(&quality, &pose);
         add_bytes(&quality, sizeof quality);
         if (edml_stand_q(stood, &pose, up) == EDML_OK) add_bytes(stood, sizeof stood);
         const int8_t status = (int8_t)edml_fit_body_q(&pose, &owner);
@@ -257,10 +290,14 @@ static int convolve(const edml_model *model)
 {
     static edml_fconv_work fconv_work;
     for (int n = 0; n < NETS; n++) {
-        float distance[EDML_PAIRS];
-        for (int k = 0; k < EDML_PAIRS; k++) distance[k] = (float)draw(2049) / 512.0F;
-        edml_predict(distance, distance, model, &fconv_work, sizeof fconv_work);
-        add_bytes(distance, sizeof distance);
+        edml_image image = {{{0, 0}}, {0, 1}, (1 << EDML_JOINTS) - 1};
+        edml_prediction said;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            image.at[j].u = draw_float();
+            image.at[j].v = 2.0F * draw_float();
+        }
+        edml_predict(&said, &image, NULL, model, &fconv_work, sizeof fconv_work);
+        add_bytes(said.distance, sizeof said.distance);
     }
     return NETS;
 }
@@ -282,34 +319,47 @@ static void report(const char *what, int count, const char *done)
     report_of(what, count, POSES, done);
 }
 
-int main(void)
+static void report_lifts(const edml_model *f32, const edml_model *w16, const edml_model *w8)
+{
+    const edml_model *const models[] = {f32, w16, w16, w8};
+    for (int n = 0; n < 4; n++) {
+        char what[32];
+        snprintf(what, sizeof what, "%s %s", n < 2 ? "float" : "fixed", edml_model_name(models[n]));
+        start();
+        report(what, n < 2 ? lift_poses(models[n]) : lift_poses_q24(models[n]), "lifted");
+    }
+}
+
+static void report_the_rest(void)
 {
     start();
-    int lifted = lift_poses(&edml_fconn_f32);
     decompose_matrices();
     refine_shapes();
-    report("float f32", lifted, "lifted");
+    report_of("float", MATRICES + SHAPES, MATRICES + SHAPES, "computed");
     start();
-    report("float q15", lift_poses(&edml_fconn_w16), "lifted");
-    start();
-    lifted = lift_poses_q24(&edml_fconn_w16);
     decompose_matrices_q24();
     refine_shapes_q24();
-    report("fixed q15", lifted, "lifted");
+    report_of("fixed", MATRICES + SHAPES, MATRICES + SHAPES, "computed");
     start();
-    report("fixed q7", lift_poses_q24(&edml_fconn_w8), "lifted");
+    report("float", place_poses(), "placed");
     start();
-    report("float f32", place_poses(), "placed");
+    report("fixed", place_poses_q24(), "placed");
     start();
-    report("fixed q15", place_poses_q24(), "placed");
+    report("float", resize_poses(), "resized");
     start();
-    report("float f32", resize_poses(), "resized");
-    start();
-    report("fixed q15", resize_poses_q24(), "resized");
+    report("fixed", resize_poses_q24(), "resized");
     start();
     const edml_model f32 = tiny_f32(), w8 = tiny_w8();
-    report_of("fconv f32", convolve(&f32), NETS, "convolved");
+    report_of("fconv f32", convolve(&f32), NETS, "computed");
     start();
-    report_of("fconv q7", convolve(&w8), NETS, "convolved");
+    report_of("fconv w8", convolve(&w8), NETS, "computed");
+}
+
+int main(void)
+{
+    if (PARTS & 1) report_lifts(&edml_distances_f32, &edml_distances_w16, &edml_distances_w8);
+    if (PARTS & 2) report_lifts(&edml_direct_f32, &edml_direct_w16, &edml_direct_w8);
+    if (PARTS & 4) report_lifts(&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8);
+    if (PARTS & 8) report_the_rest();
     return 0;
 }

@@ -352,7 +352,7 @@ static edml_status lift(void)
 {
     static edml_work work;
     edml_pose pose;
-    return edml_lift(&pose, out, &edml_fconn_f32, &work, sizeof work);
+    return edml_lift(&pose, out, NULL, &edml_direct_f32, &work, sizeof work);
 }
 
 static void every_format_lifts(void)

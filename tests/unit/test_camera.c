@@ -456,6 +456,214 @@ static void a_joint_behind_the_camera(void)
     expect(EDML_ERR_CAMERA);
 }
 
+/* ---- Lifts with a camera ------------------------------------------------------------------------- */
+
+static const edml_model *const lifters[] = {&edml_direct_f32, &edml_distances_f32, &edml_fconn_f32};
+static edml_pose lifted, on_axis;
+
+static edml_status lift(edml_pose *out, const edml_point *up, const edml_model *model)
+{
+    return edml_lift_with_camera(out, in, up, &camera, model, &work, sizeof work);
+}
+
+/* The smallest rotation that brings the mean line of sight of the seen joints onto the axis. */
+static rotation3 view_of_person(void)
+{
+    double mean[3] = {0, 0, 0};
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        if (!(in[j].c > 0)) continue;
+        mean[0] += ((double)in[j].x - (double)camera.cx) / (double)camera.fx;
+        mean[1] += ((double)in[j].y - (double)camera.cy) / (double)camera.fy;
+        mean[2] += 1;
+    }
+    const double size = sqrt(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]);
+    const double x = mean[0] / size, y = mean[1] / size, z = mean[2] / size, k = 1 / (1 + z);
+    const rotation3 view = {{{1 - k * x * x, -k * x * y, -x}, {-k * x * y, 1 - k * y * y, -y}, {x, y, z}}};
+    return view;
+}
+
+static rotation3 inverse(rotation3 r)
+{
+    rotation3 out;
+    for (int n = 0; n < 9; n++) out.at[n / 3][n % 3] = r.at[n % 3][n / 3];
+    return out;
+}
+
+static edml_point rotated(rotation3 by, edml_point p)
+{
+    edml_point all[EDML_JOINTS];
+    equal_points(all, p.x, p.y, p.z);
+    rotate_points(all, by, all);
+    return all[0];
+}
+
+/* Someone before the camera, off its axis by up to 45 degrees. */
+static void someone_off_axis(rng *r)
+{
+    camera = usual;
+    camera.fy *= uniform(r, 0.8F, 1.25F);
+    random_human(r, person);
+    const float depth = uniform(r, 3, 8);
+    stand_at(depth * uniform(r, -0.8F, 0.8F), depth * uniform(r, -0.4F, 0.4F), depth);
+    see(in, &camera, person);
+}
+
+/* A camera at the same place that looks at the person sees them on its axis: the same pose but for the turn. */
+static void a_person_off_the_axis_is_the_one_on_the_axis_turned(void)
+{
+    rng r = rng_seed(91);
+    float worst = 0, moved = 0;
+    for (int n = 0; n < 150; n++) {
+        const edml_model *const model = lifters[n % 3];
+        const edml_point up = {gauss(&r), gauss(&r) - 1, gauss(&r)};
+        someone_off_axis(&r);
+        if (n % 5 == 0) in[EDML_R_WRIST].c = in[EDML_L_KNEE].c = 0;
+        TEST_ASSERT_EQUAL_INT(EDML_OK, lift(&lifted, n % 4 ? &up : NULL, model));
+        const rotation3 view = view_of_person();
+        const edml_camera wanted = camera, level = {1500, 1500, 320, 240};
+        edml_keypoint given[EDML_JOINTS];
+        memcpy(given, in, sizeof given);
+        edml_point turned[EDML_JOINTS];
+        rotate_points(turned, view, person);
+        see(in, &level, turned);
+        for (int j = 0; j < EDML_JOINTS; j++) in[j].c = given[j].c;
+        const edml_point turned_up = rotated(view, up);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&on_axis, in, n % 4 ? &turned_up : NULL, model, &work,
+                                                 sizeof work));
+        moved = worse(moved, worst_joint_error(lifted.joint, on_axis.joint));
+        rotate_points(on_axis.joint, inverse(view), on_axis.joint);
+        if (model == &edml_fconn_f32 && worst_joint_error(lifted.joint, on_axis.joint) > 0.1F)
+            continue; /* the mirror image, where rounding decides */
+        worst = worse(worst, worst_joint_error(lifted.joint, on_axis.joint));
+        worst = worse(worst, fabsf(lifted.misfit - on_axis.misfit));
+        TEST_ASSERT_EQUAL_INT(on_axis.seen, lifted.seen);
+        camera = wanted;
+    }
+    printf("camera: lifted off the axis and on it, worst joint %.3f mm\n", 1e3 * (double)worst);
+    TEST_ASSERT_ERROR_UP_TO(LIFT_OFF_AXIS_TOLERANCE, worst);
+    TEST_ASSERT_TRUE(moved > 0.1F);
+}
+
+/* On the axis there is nothing to turn. */
+static void on_the_axis_it_is_the_lift_without_a_camera(void)
+{
+    rng r = rng_seed(92);
+    for (int n = 0; n < 60; n++) {
+        const edml_model *const model = lifters[n % 2];
+        camera = usual;
+        random_human(&r, person);
+        stand_at(0, 0, 5);
+        see(in, &camera, person);
+        double x = 0, y = 0;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            x += (double)in[j].x / EDML_JOINTS;
+            y += (double)in[j].y / EDML_JOINTS;
+        }
+        camera.cx = (float)x;
+        camera.cy = (float)y;
+        TEST_ASSERT_EQUAL_INT(EDML_OK, lift(&lifted, NULL, model));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&on_axis, in, NULL, model, &work, sizeof work));
+        TEST_ASSERT_ERROR_UP_TO(LIFT_OFF_AXIS_TOLERANCE, worst_joint_error(lifted.joint, on_axis.joint));
+        const edml_point a = lifted.joint[EDML_R_HIP], b = lifted.joint[EDML_L_HIP];
+        TEST_ASSERT_ERROR_UP_TO(LIFT_ROUNDING, fabsf(a.x + b.x) + fabsf(a.y + b.y) + fabsf(a.z + b.z));
+    }
+}
+
+/* The output is left alone. */
+static void expect_no_lift(edml_status status, const edml_point *up)
+{
+    for (int m = 0; m < 3; m++) {
+        memset(&lifted, 0x5A, sizeof lifted);
+        memcpy(&on_axis, &lifted, sizeof on_axis);
+        TEST_ASSERT_EQUAL_INT(status, lift(&lifted, up, lifters[m]));
+        TEST_ASSERT_SAME_BYTES(on_axis, lifted);
+    }
+}
+
+static void a_lift_needs_a_camera_that_can_have_seen_this(void)
+{
+    static const float wrong[] = {0, -1145, NAN, INFINITY, -INFINITY};
+    for (int n = 0; n < 5; n++) {
+        someone_usual(93);
+        camera.fx = wrong[n];
+        expect_no_lift(EDML_ERR_CAMERA, NULL);
+        someone_usual(93);
+        camera.fy = wrong[n];
+        expect_no_lift(EDML_ERR_CAMERA, NULL);
+        if (n < 2) continue;
+        someone_usual(93);
+        camera.cx = wrong[n];
+        expect_no_lift(EDML_ERR_CAMERA, NULL);
+        someone_usual(93);
+        camera.cy = wrong[n];
+        expect_no_lift(EDML_ERR_CAMERA, NULL);
+    }
+    someone_usual(93);
+    camera.fx = camera.fy = 50; /* a joint 63 degrees off the axis */
+    in[EDML_HEAD].y = camera.cy - 101;
+    expect_no_lift(EDML_ERR_CAMERA, NULL);
+    someone_usual(93); /* others on one side, a joint 63 degrees off on the other: 60 off the person */
+    camera = usual;
+    for (int j = 0; j < EDML_JOINTS; j++) in[j].x = 500 + 1145 * 1.9F - (float)j;
+    in[EDML_HEAD].x = 500 - 1145 * 1.9F;
+    expect_no_lift(EDML_ERR_CAMERA, NULL);
+}
+
+static void a_lift_with_a_camera_refuses_what_a_lift_refuses(void)
+{
+    const edml_point zero = {0, 0, 0}, bad = {0, NAN, 1};
+    someone_usual(94);
+    expect_no_lift(EDML_ERR_DEGENERATE, &zero);
+    expect_no_lift(EDML_ERR_NOT_FINITE, &bad);
+    in[3].y = NAN;
+    expect_no_lift(EDML_ERR_NOT_FINITE, NULL);
+    someone_usual(94);
+    for (int j = 0; j < 5; j++) in[j].c = 0;
+    expect_no_lift(EDML_ERR_TOO_FEW_JOINTS, NULL);
+    for (int j = 0; j < EDML_JOINTS; j++) in[j].c = 0;
+    expect_no_lift(EDML_ERR_TOO_FEW_JOINTS, NULL);
+    someone_usual(94);
+    for (int j = 0; j < EDML_JOINTS; j++) in[j].x = in[j].y = 500;
+    expect_no_lift(EDML_ERR_DEGENERATE, NULL);
+    someone_usual(94);
+    in[EDML_L_WRIST].c = 0; /* is not looked at */
+    in[EDML_L_WRIST].x = NAN;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, lift(&lifted, NULL, lifters[0]));
+}
+
+#ifndef EDML_TEST_Q24
+static void in_fixed_point_it_is_nearly_the_same(void)
+{
+    static edml_work_q work_q;
+    static const edml_model *const integers[] = {&edml_direct_w16, &edml_distances_w16, &edml_direct_w8};
+    rng r = rng_seed(95);
+    float worst = 0;
+    for (int n = 0; n < 150; n++) {
+        const edml_model *const model = integers[n % 3];
+        const edml_point up = {gauss(&r), gauss(&r) - 1, gauss(&r)};
+        edml_keypoint_q in_q[EDML_JOINTS];
+        edml_pose_q whole;
+        someone_off_axis(&r);
+        if (n % 5 == 0) in[EDML_R_WRIST].c = in[EDML_L_KNEE].c = 0;
+        to_q16(in_q, in);
+        const edml_camera_q by = camera_to_q16(camera);
+        const edml_point_q up_q = point_to_q16(up);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, lift(&lifted, n % 4 ? &up : NULL, model));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_with_camera_q(&whole, in_q, n % 4 ? &up_q : NULL, &by, model,
+                                                               &work_q, sizeof work_q));
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            const edml_point p = {(float)(whole.joint[j].x / 65536.0), (float)(whole.joint[j].y / 65536.0),
+                                  (float)(whole.joint[j].z / 65536.0)};
+            on_axis.joint[j] = p;
+        }
+        worst = worse(worst, worst_joint_error(lifted.joint, on_axis.joint));
+        TEST_ASSERT_EQUAL_INT(lifted.seen, whole.seen);
+    }
+    printf("camera: lifts in fixed point beside float, worst joint %.3f mm\n", 1e3 * (double)worst);
+    TEST_ASSERT_ERROR_UP_TO(FIXED_LIFT_TOLERANCE, worst);
+}
+#endif
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -476,5 +684,12 @@ int main(void)
     RUN_TEST(points_and_lines);
     RUN_TEST(people_too_far_away);
     RUN_TEST(a_joint_behind_the_camera);
+    RUN_TEST(a_person_off_the_axis_is_the_one_on_the_axis_turned);
+    RUN_TEST(on_the_axis_it_is_the_lift_without_a_camera);
+    RUN_TEST(a_lift_needs_a_camera_that_can_have_seen_this);
+    RUN_TEST(a_lift_with_a_camera_refuses_what_a_lift_refuses);
+#ifndef EDML_TEST_Q24
+    RUN_TEST(in_fixed_point_it_is_nearly_the_same);
+#endif
     return UNITY_END();
 }

@@ -16,8 +16,9 @@ enum {
     IN,
     MODEL,
     WORK,
-    EDM,
-    DISTANCE,
+    UP,
+    IMAGE,
+    PREDICTION,
     POINTS,
     PLACEMENT,
     CAMERA,
@@ -34,7 +35,6 @@ enum {
 static void *pointer[POINTERS];
 static size_t work_bytes;
 static pixels width, height;
-static edml_point up;
 static uint32_t time_ms;
 static uint16_t seen;
 
@@ -43,8 +43,10 @@ static struct {
     edml_pose pose;
     edml_keypoint in[EDML_JOINTS];
     edml_model model;
-    real edm[EDML_PAIRS], distance[EDML_PAIRS];
-    point points[EDML_JOINTS];
+    edml_point up;
+    edml_image image;
+    edml_prediction prediction;
+    point points[EDML_JOINTS], upwards;
     edml_placement placement;
     edml_camera camera;
     edml_body body;
@@ -59,20 +61,27 @@ static edml_fconv_work work;
 
 static edml_status call_lift(void)
 {
-    return edml_lift(pointer[POSE], pointer[IN], pointer[MODEL], pointer[WORK], work_bytes);
+    return edml_lift(pointer[POSE], pointer[IN], pointer[UP], pointer[MODEL], pointer[WORK], work_bytes);
 }
 
-static edml_status call_edm(void)
+static edml_status call_lift_with_camera(void)
 {
-    return edml_edm(pointer[EDM], pointer[IN], 10, REAL(3.5), &edml_default_imputation);
+    return edml_lift_with_camera(pointer[POSE], pointer[IN], pointer[UP], pointer[CAMERA], pointer[MODEL],
+                                 pointer[WORK], work_bytes);
+}
+
+static edml_status call_body_frame(void)
+{
+    return edml_body_frame(pointer[IMAGE], pointer[IN], 10, &edml_default_imputation);
 }
 
 static edml_status call_predict(void)
 {
-    return edml_predict(pointer[DISTANCE], pointer[EDM], pointer[MODEL], pointer[WORK], work_bytes);
+    return edml_predict(pointer[PREDICTION], pointer[IMAGE], &memory.upwards, pointer[MODEL], pointer[WORK],
+                        work_bytes);
 }
 
-static edml_status call_orient(void) { return edml_orient(pointer[POINTS], pointer[IN], ALL_SEEN); }
+static edml_status call_orient(void) { return edml_orient(pointer[POINTS], pointer[IMAGE]); }
 
 static edml_status call_place(void)
 {
@@ -88,7 +97,7 @@ static edml_status call_place_sweep(void)
 
 static edml_status call_fit_body(void) { return edml_fit_body(pointer[POSE], pointer[BODY]); }
 
-static edml_status call_quality(void) { return edml_quality(pointer[QUALITY], pointer[POSE], pointer[IN]); }
+static edml_status call_quality(void) { return edml_quality(pointer[QUALITY], pointer[POSE]); }
 
 static edml_status call_joint_limits(void) { return edml_joint_limits(pointer[COUNT], pointer[POSE]); }
 
@@ -97,13 +106,13 @@ static edml_status call_reflect(void)
     return edml_reflect_by_joint_limits(pointer[COUNT], pointer[POSE]);
 }
 
-static edml_status call_stand(void) { return edml_stand(pointer[STOOD], pointer[POSE], up); }
+static edml_status call_stand(void) { return edml_stand(pointer[STOOD], pointer[POSE], memory.up); }
 
 #ifndef EDML_TEST_Q24 /* in float alone */
 
 static edml_status call_track_lift(void)
 {
-    return edml_track_lift(pointer[POSE], pointer[TRACK], pointer[IN], time_ms, pointer[MODEL],
+    return edml_track_lift(pointer[POSE], pointer[TRACK], pointer[IN], time_ms, pointer[UP], pointer[MODEL],
                            pointer[WORK], work_bytes);
 }
 
@@ -116,18 +125,19 @@ static edml_status call_model_check(void) { return edml_model_check(pointer[MODE
 typedef struct {
     const char *name;
     edml_status (*run)(void);
-    int argument[6]; /* its pointers, and NONE behind them */
+    int argument[6]; /* its pointers, but for `up`, which may be NULL; NONE behind them */
 } function;
 
 static const function functions[] = {
     {"edml_lift", call_lift, {POSE, IN, MODEL, WORK, NONE}},
-    {"edml_edm", call_edm, {EDM, IN, NONE}},
-    {"edml_predict", call_predict, {DISTANCE, EDM, MODEL, WORK, NONE}},
-    {"edml_orient", call_orient, {POINTS, IN, NONE}},
+    {"edml_lift_with_camera", call_lift_with_camera, {POSE, IN, CAMERA, MODEL, WORK, NONE}},
+    {"edml_body_frame", call_body_frame, {IMAGE, IN, NONE}},
+    {"edml_predict", call_predict, {PREDICTION, IMAGE, MODEL, WORK, NONE}},
+    {"edml_orient", call_orient, {POINTS, IMAGE, NONE}},
     {"edml_place", call_place, {PLACEMENT, POSE, IN, CAMERA, WORK, NONE}},
     {"edml_place_sweep", call_place_sweep, {PLACEMENT, CAMERA, POSE, IN, WORK, NONE}},
     {"edml_fit_body", call_fit_body, {POSE, BODY, NONE}},
-    {"edml_quality", call_quality, {QUALITY, POSE, IN, NONE}},
+    {"edml_quality", call_quality, {QUALITY, POSE, NONE}},
     {"edml_joint_limits", call_joint_limits, {COUNT, POSE, NONE}},
     {"edml_reflect_by_joint_limits", call_reflect, {COUNT, POSE, NONE}},
     {"edml_stand", call_stand, {STOOD, POSE, NONE}},
@@ -152,8 +162,9 @@ static void point_to_memory(void)
     pointer[IN] = memory.in;
     pointer[MODEL] = &memory.model;
     pointer[WORK] = &work;
-    pointer[EDM] = memory.edm;
-    pointer[DISTANCE] = memory.distance;
+    pointer[UP] = &memory.up;
+    pointer[IMAGE] = &memory.image;
+    pointer[PREDICTION] = &memory.prediction;
     pointer[POINTS] = memory.points;
     pointer[PLACEMENT] = &memory.placement;
     pointer[CAMERA] = &memory.camera;
@@ -183,13 +194,15 @@ static void prepare(const edml_model *model)
     memory.body.height = TO_API(REAL(1.75));
     width = to_pixels(1000);
     height = to_pixels(800);
-    up.x = up.z = 0;
-    up.y = TO_API(-REAL(1.0));
+    memory.up.x = memory.up.z = 0;
+    memory.up.y = TO_API(-REAL(1.0));
+    memory.upwards.x = memory.upwards.z = 0;
+    memory.upwards.y = -REAL(1.0);
     edml_track_start(&memory.track);
     time_ms = 100;
     seen = ALL_SEEN;
     point_to_memory();
-    TEST_ASSERT_EQUAL_INT(EDML_OK, call_edm());
+    TEST_ASSERT_EQUAL_INT(EDML_OK, call_body_frame());
     TEST_ASSERT_EQUAL_INT(EDML_OK, call_lift());
 }
 
@@ -207,8 +220,11 @@ static void check_failure(const function *f, edml_status expected, const char *w
 static void every_function_succeeds_with_these_arguments(void)
 {
     for (int n = 0; n < FUNCTIONS; n++) {
-        prepare(&FCONN);
-        TEST_ASSERT_EQUAL_INT_MESSAGE(EDML_OK, functions[n].run(), functions[n].name);
+        for (int known = 0; known < 2; known++) {
+            prepare(&DISTANCES);
+            if (!known) pointer[UP] = NULL;
+            TEST_ASSERT_EQUAL_INT_MESSAGE(EDML_OK, functions[n].run(), functions[n].name);
+        }
     }
 }
 
@@ -239,10 +255,14 @@ static void misaligned_work_memory_is_refused(void)
 /* ---- Work memory ---------------------------------------------------------------------------------------- */
 
 #ifndef EDML_TEST_Q24
-static const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8,
-                                           &edml_fconv_f32, &edml_fconv_w8};
+static const edml_model *const models[] = {
+    &edml_direct_f32,    &edml_direct_w16, &edml_direct_w8, &edml_distances_f32, &edml_distances_w16,
+    &edml_distances_w8, &edml_fconn_f32,  &edml_fconn_w16, &edml_fconn_w8,      &edml_fconv_f32,
+    &edml_fconv_w8};
 #else
-static const edml_model *const models[] = {&edml_fconn_w16, &edml_fconn_w8, &edml_fconv_w8};
+static const edml_model *const models[] = {&edml_direct_w16,   &edml_direct_w8, &edml_distances_w16,
+                                           &edml_distances_w8, &edml_fconn_w16, &edml_fconn_w8,
+                                           &edml_fconv_w8};
 #endif
 enum { MODELS = sizeof models / sizeof models[0] };
 
@@ -287,8 +307,7 @@ static void just_enough_is_enough(void)
 static void models_say_how_much_they_need(void)
 {
     for (int m = 0; m < MODELS; m++) {
-        const int fconv = models[m]->compute_checksum != FCONN.compute_checksum &&
-                          edml_model_work_bytes(models[m]) > sizeof(edml_work);
+        const int fconv = edml_model_work_bytes(models[m]) > sizeof(edml_work);
         TEST_ASSERT_EQUAL_INT(strncmp(edml_model_name(models[m]), "fconv", 5) == 0, fconv);
         TEST_ASSERT_TRUE(edml_model_work_bytes(models[m]) <= (fconv ? sizeof work : sizeof(edml_work)));
         TEST_ASSERT_TRUE(edml_model_work_bytes(models[m]) % 4 == 0);
@@ -300,18 +319,28 @@ static void models_say_how_much_they_need(void)
 /* Does a call run the model? */
 static int runs_model(const function *f) { return takes(f, MODEL) && takes(f, WORK); }
 
+/* What the stages have a use for: distances of distances; points and gates of the body's coordinates, with
+ * distances or without. */
+static int is_known(int reads, int gives)
+{
+    if (!(reads & EDML_READS_BODY)) return reads == EDML_READS_DISTANCES && gives == EDML_GIVES_DISTANCES;
+    return reads < 4 && (gives | EDML_GIVES_DISTANCES) ==
+                            (EDML_GIVES_DISTANCES | EDML_GIVES_POINTS | EDML_GIVES_GATES);
+}
+
 static void a_model_that_reads_or_gives_something_else_is_refused(void)
 {
-    static const uint8_t unknown[] = {0, 2, 255};
+    static const int some[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 15, 16, 64, 128, 255};
+    enum { SOME = sizeof some / sizeof *some };
     for (int n = 0; n < FUNCTIONS; n++) {
         if (!runs_model(&functions[n])) continue;
-        for (int k = 0; k < 3; k++) {
-            prepare(&FCONN);
-            memory.model.reads = unknown[k];
-            check_failure(&functions[n], EDML_ERR_MODEL, "reads");
-            prepare(&FCONN);
-            memory.model.gives = unknown[k];
-            check_failure(&functions[n], EDML_ERR_MODEL, "gives");
+        for (int k = 0; k < SOME * SOME; k++) {
+            const int reads = some[k / SOME], gives = some[k % SOME];
+            if (is_known(reads, gives)) continue;
+            prepare(&DISTANCES);
+            memory.model.reads = (uint8_t)reads;
+            memory.model.gives = (uint8_t)gives;
+            check_failure(&functions[n], EDML_ERR_MODEL, "reads or gives");
         }
     }
 }
@@ -325,8 +354,9 @@ static void a_model_that_this_arithmetic_cannot_run_is_refused(void)
         check_failure(&functions[n], EDML_ERR_MODEL, "no work memory");
         TEST_ASSERT_TRUE(edml_model_work_bytes(&memory.model) == 0);
 #ifdef EDML_TEST_Q24
-        static const edml_model *const float_models[] = {&edml_fconn_f32, &edml_fconv_f32};
-        for (int m = 0; m < 2; m++) {
+        static const edml_model *const float_models[] = {&edml_direct_f32, &edml_distances_f32,
+                                                         &edml_fconn_f32, &edml_fconv_f32};
+        for (int m = 0; m < 4; m++) {
             prepare(&FCONN);
             memory.model = *float_models[m];
             check_failure(&functions[n], EDML_ERR_MODEL, "a float model");
@@ -352,21 +382,25 @@ static void six_joints_seen(void)
     seen = ALL_SEEN >> 5;
 }
 
-static void image_is_a_point(void)
+static void keypoints_are_a_point(void)
 {
     for (int j = 0; j < EDML_JOINTS; j++) memory.in[j].x = memory.in[j].y = to_pixels(300);
 }
 
-static void image_is_wide(void)
+static void image_is_a_point(void)
 {
-    for (int j = 0; j < EDML_JOINTS; j++) memory.in[j].x = to_pixels(500 * (float)j);
+    for (int j = 0; j < EDML_JOINTS; j++) memory.image.at[j].u = memory.image.at[j].v = REAL(0.5);
 }
+
+static void image_has_no_joints(void) { memory.image.seen = 0; }
+
+static void pose_lacks_joints(void) { memory.pose.seen = ALL_SEEN >> 5; }
 
 static void pose_is_out_of_reach(void) { memory.pose.joint[5].y = TO_API(REAL(4.5)); }
 
 static void pose_is_a_point(void) { memset(memory.pose.joint, 0, sizeof memory.pose.joint); }
 
-static void pose_is_of_no_lift(void) { memory.pose.residual = TO_API(-REAL(1.0)); }
+static void pose_is_of_no_lift(void) { memory.pose.misfit = TO_API(-REAL(1.0)); }
 
 static void points_are_a_point(void) { memset(memory.points, 0, sizeof memory.points); }
 
@@ -374,9 +408,11 @@ static void camera_is_none(void) { memory.camera.fx = width = 0; }
 
 static void body_is_none(void) { memory.body.height = TO_API(REAL(3.5)); }
 
-static void up_is_zero(void) { up.y = 0; }
+static void camera_is_too_narrow(void) { memory.camera.fx = memory.camera.fy = to_pixels(100); }
 
-static void up_is_no_number(void) { up.x = NO_NUMBER; }
+static void up_is_zero(void) { memory.up.y = 0; }
+
+static void up_is_no_number(void) { memory.up.x = NO_NUMBER; }
 
 #ifndef EDML_TEST_Q24
 static void model_is_damaged(void) { memory.model.checksum ^= 1; }
@@ -402,10 +438,10 @@ static const struct {
      keypoint_is_no_number,
      {
          {call_lift, EDML_ERR_NOT_FINITE},
-         {call_edm, EDML_ERR_NOT_FINITE},
+         {call_lift_with_camera, EDML_ERR_NOT_FINITE},
+         {call_body_frame, EDML_ERR_NOT_FINITE},
          {call_place, EDML_ERR_NOT_FINITE},
          {call_place_sweep, EDML_ERR_NOT_FINITE},
-         {call_quality, EDML_ERR_NOT_FINITE},
 #ifndef EDML_TEST_Q24
          {call_track_lift, EDML_ERR_NOT_FINITE},
 #endif
@@ -414,36 +450,30 @@ static const struct {
      six_joints_seen,
      {
          {call_lift, EDML_ERR_TOO_FEW_JOINTS},
-         {call_edm, EDML_ERR_TOO_FEW_JOINTS},
+         {call_lift_with_camera, EDML_ERR_TOO_FEW_JOINTS},
+         {call_body_frame, EDML_ERR_TOO_FEW_JOINTS},
          {call_place, EDML_ERR_TOO_FEW_JOINTS},
          {call_place_sweep, EDML_ERR_TOO_FEW_JOINTS},
-         {call_quality, EDML_ERR_TOO_FEW_JOINTS},
 #ifndef EDML_TEST_Q24
          {call_track_lift, EDML_ERR_TOO_FEW_JOINTS},
          {call_uncertainty, EDML_ERR_TOO_FEW_JOINTS},
 #endif
      }},
-    {"an image that is a point",
-     image_is_a_point,
+    {"keypoints that are a point",
+     keypoints_are_a_point,
      {
          {call_lift, EDML_ERR_DEGENERATE},
-         {call_edm, EDML_ERR_DEGENERATE},
-         {call_orient, EDML_ERR_DEGENERATE},
+         {call_lift_with_camera, EDML_ERR_DEGENERATE},
+         {call_body_frame, EDML_ERR_DEGENERATE},
          {call_place, EDML_ERR_DEGENERATE},
          {call_place_sweep, EDML_ERR_DEGENERATE},
 #ifndef EDML_TEST_Q24
          {call_track_lift, EDML_ERR_DEGENERATE},
 #endif
      }},
-    {"an image that is wide",
-     image_is_wide,
-     {
-         {call_lift, EDML_ERR_ASPECT},
-         {call_edm, EDML_ERR_ASPECT},
-#ifndef EDML_TEST_Q24
-         {call_track_lift, EDML_ERR_ASPECT},
-#endif
-     }},
+    {"an image that is a point", image_is_a_point, {{call_orient, EDML_ERR_DEGENERATE}}},
+    {"an image without joints", image_has_no_joints, {{call_orient, EDML_ERR_DEGENERATE}}},
+    {"a pose that lacks joints", pose_lacks_joints, {{call_quality, EDML_ERR_TOO_FEW_JOINTS}}},
     {"a pose out of reach",
      pose_is_out_of_reach,
      {{call_place, EDML_ERR_NOT_FINITE},
@@ -460,10 +490,35 @@ static const struct {
       {call_fit_body, EDML_ERR_DEGENERATE}}},
     {"a pose of no lift", pose_is_of_no_lift, {{call_quality, EDML_ERR_ARGUMENT}}},
     {"points that are a point", points_are_a_point, {{call_orient, EDML_ERR_DEGENERATE}}},
-    {"no camera", camera_is_none, {{call_place, EDML_ERR_CAMERA}, {call_place_sweep, EDML_ERR_CAMERA}}},
+    {"no camera",
+     camera_is_none,
+     {{call_place, EDML_ERR_CAMERA},
+      {call_place_sweep, EDML_ERR_CAMERA},
+      {call_lift_with_camera, EDML_ERR_CAMERA}}},
+    {"a camera that cannot have seen this",
+     camera_is_too_narrow,
+     {{call_place, EDML_ERR_CAMERA}, {call_lift_with_camera, EDML_ERR_CAMERA}}},
     {"no body", body_is_none, {{call_fit_body, EDML_ERR_BODY}}},
-    {"no way up", up_is_zero, {{call_stand, EDML_ERR_DEGENERATE}}},
-    {"up that is no number", up_is_no_number, {{call_stand, EDML_ERR_NOT_FINITE}}},
+    {"no way up",
+     up_is_zero,
+     {
+         {call_stand, EDML_ERR_DEGENERATE},
+         {call_lift, EDML_ERR_DEGENERATE},
+         {call_lift_with_camera, EDML_ERR_DEGENERATE},
+#ifndef EDML_TEST_Q24
+         {call_track_lift, EDML_ERR_DEGENERATE},
+#endif
+     }},
+    {"up that is no number",
+     up_is_no_number,
+     {
+         {call_stand, EDML_ERR_NOT_FINITE},
+         {call_lift, EDML_ERR_NOT_FINITE},
+         {call_lift_with_camera, EDML_ERR_NOT_FINITE},
+#ifndef EDML_TEST_Q24
+         {call_track_lift, EDML_ERR_NOT_FINITE},
+#endif
+     }},
 #ifndef EDML_TEST_Q24
     {"a damaged model", model_is_damaged, {{call_model_check, EDML_ERR_MODEL}}},
     {"a frame that comes late", frame_comes_late, {{call_track_lift, EDML_ERR_TIME}}},
@@ -485,9 +540,24 @@ static void every_fault_has_its_status_and_leaves_no_trace(void)
     for (int fault = 0; fault < FAULTS; fault++) {
         for (int n = 0; n < FUNCTIONS; n++) {
             const edml_status expected = expected_status(fault, &functions[n]);
-            prepare(&FCONN);
+            prepare(n % 2 ? &DISTANCES : &DIRECT);
             faults[fault].put_in();
             if (expected != EDML_OK) check_failure(&functions[n], expected, faults[fault].name);
+        }
+    }
+}
+
+/* A null pointer comes before all other faults. */
+static void null_is_refused_whatever_else_is_wrong(void)
+{
+    for (int fault = 0; fault < FAULTS; fault++) {
+        for (int n = 0; n < FUNCTIONS; n++) {
+            for (int k = 0; functions[n].argument[k] != NONE; k++) {
+                prepare(&DIRECT);
+                faults[fault].put_in();
+                pointer[functions[n].argument[k]] = NULL;
+                check_failure(&functions[n], EDML_ERR_ARGUMENT, faults[fault].name);
+            }
         }
     }
 }
@@ -523,6 +593,7 @@ int main(void)
     RUN_TEST(a_model_that_reads_or_gives_something_else_is_refused);
     RUN_TEST(a_model_that_this_arithmetic_cannot_run_is_refused);
     RUN_TEST(every_fault_has_its_status_and_leaves_no_trace);
+    RUN_TEST(null_is_refused_whatever_else_is_wrong);
     RUN_TEST(two_faults_leave_no_trace);
     return UNITY_END();
 }

@@ -1,4 +1,4 @@
-/* lift/fuse.h: the weighted mean of a pose and its image.
+/* lift/fuse.h: the weighted mean of points and their image.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -6,7 +6,8 @@
 #include "network/model.h"
 
 static edml_point person[EDML_JOINTS], x[EDML_JOINTS], y[EDML_JOINTS];
-static edml_keypoint in[EDML_JOINTS];
+static edml_image image;
+static float share[EDML_JOINTS];
 static edml_model model;
 
 static edml_number number(double value)
@@ -15,16 +16,19 @@ static edml_number number(double value)
     return both;
 }
 
-/* nearness: 1 / distance */
-static void set_model(double weight, double misfit, double nearness)
+/* The same share for each joint.  nearness: 1 / distance */
+static void set_model(float all, double misfit, double nearness)
 {
-    model = edml_fconn_f32;
-    model.fusion[0] = number(weight * misfit * misfit);
-    model.fusion[1] = number(misfit * misfit);
-    model.fusion[2] = number(nearness);
+    model = edml_direct_f32;
+    model.fusion[FUSION_SHARE] = number(0.5); /* is of models without gates, and not for this stage */
+    model.fusion[FUSION_SQUARE] = number(misfit * misfit);
+    model.fusion[FUSION_NEARNESS] = number(nearness);
+    for (int j = 0; j < EDML_JOINTS; j++) share[j] = all;
 }
 
-/* A person, rooted, and a photograph of where joints really are, `noise` metres off. */
+static float run(edml_point points[EDML_JOINTS]) { return edml_fuse(points, &image, share, &model); }
+
+/* A person about mid-hip, and an image of where joints really are, `noise` metres off. */
 static void someone(rng *r, float noise)
 {
     random_human(r, person);
@@ -34,7 +38,7 @@ static void someone(rng *r, float noise)
         y[j].x += noise * gauss(r);
         y[j].y += noise * gauss(r);
     }
-    photograph(in, y);
+    draw_image(&image, y, ALL_SEEN);
     memcpy(x, person, sizeof x);
 }
 
@@ -53,22 +57,30 @@ static edml_point mean_of(const edml_point p[EDML_JOINTS], uint16_t seen)
     return mean;
 }
 
+/* Where the image has the joints, brought to their mean depth. */
+static void image_points(edml_point out[EDML_JOINTS], const edml_point p[EDML_JOINTS], uint16_t seen)
+{
+    const float middle = mean_of(p, seen).z;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const float depth = 1 + model.fusion[FUSION_NEARNESS].f32 * (p[j].z - middle);
+        out[j].x = image.at[j].u * depth;
+        out[j].y = image.at[j].v * depth;
+        out[j].z = 0;
+    }
+}
+
 /* Mean square in m^2 of what the joints across the axis are off the image, at its best scale. */
 static double disagreement(const edml_point p[EDML_JOINTS], uint16_t seen)
 {
-    edml_point image[EDML_JOINTS];
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        image[j].x = in[j].x;
-        image[j].y = in[j].y;
-        image[j].z = 0;
-    }
-    const edml_point at = mean_of(image, seen), middle = mean_of(p, seen);
+    edml_point flat[EDML_JOINTS];
+    image_points(flat, p, seen);
+    const edml_point at = mean_of(flat, seen), middle = mean_of(p, seen);
     double xx = 0, xu = 0, uu = 0;
     int count = 0;
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!(seen >> j & 1)) continue;
         const double px = (double)(p[j].x - middle.x), py = (double)(p[j].y - middle.y);
-        const double u = (double)(image[j].x - at.x), v = (double)(image[j].y - at.y);
+        const double u = (double)(flat[j].x - at.x), v = (double)(flat[j].y - at.y);
         xx += px * px + py * py;
         xu += px * u + py * v;
         uu += u * u + v * v;
@@ -82,10 +94,10 @@ static double disagreement(const edml_point p[EDML_JOINTS], uint16_t seen)
 static void a_pose_that_agrees_stays(void)
 {
     rng r = rng_seed(61);
-    set_model(0.9, 0.05, 0);
+    set_model(0.9F, 0.05, 0);
     for (int n = 0; n < 100; n++) {
         someone(&r, 0);
-        edml_fuse(x, in, ALL_SEEN, &model);
+        TEST_ASSERT_ERROR_UP_TO(FUSE_MISFIT_TOLERANCE, run(x));
         TEST_ASSERT_ERROR_UP_TO(FUSE_TOLERANCE, worst_joint_error(x, person));
     }
 }
@@ -94,7 +106,7 @@ static void a_pose_that_agrees_stays(void)
 static void nor_does_perspective_move_it(void)
 {
     rng r = rng_seed(62);
-    set_model(0.9, 0.05, 0.25);
+    set_model(0.9F, 0.05, 0.25);
     for (int n = 0; n < 100; n++) {
         someone(&r, 0);
         edml_point shift = {0, 0, 0}; /* that puts the middle of the image on the camera's axis */
@@ -113,8 +125,8 @@ static void nor_does_perspective_move_it(void)
             shift.x -= (low_x + high_x) / 2;
             shift.y -= (low_y + high_y) / 2;
         }
-        photograph(in, y);
-        edml_fuse(x, in, ALL_SEEN, &model);
+        draw_image(&image, y, ALL_SEEN);
+        TEST_ASSERT_ERROR_UP_TO(FUSE_MISFIT_TOLERANCE, run(x));
         TEST_ASSERT_ERROR_UP_TO(FUSE_TOLERANCE, worst_joint_error(x, person));
     }
 }
@@ -123,14 +135,13 @@ static void what_disagrees_shrinks_by_the_weight(void)
 {
     rng r = rng_seed(63);
     const double weight = 0.75, misfit = 0.08;
-    set_model(weight, misfit, 0);
+    set_model(0.75F, misfit, 0);
     for (int n = 0; n < 200; n++) {
         const uint16_t seen = n % 2 ? ALL_SEEN : ALL_SEEN & ~(1 << EDML_L_KNEE | 1 << EDML_HEAD);
         someone(&r, 0.01F * (float)(n % 20));
-        for (int j = 0; j < EDML_JOINTS; j++)
-            if (!(seen >> j & 1)) in[j].x = in[j].y = in[j].c = 0;
+        draw_image(&image, y, seen);
         const double before = disagreement(x, seen);
-        edml_fuse(x, in, seen, &model);
+        TEST_ASSERT_FLOAT_WITHIN(FUSE_MISFIT_TOLERANCE, (float)sqrt(before), run(x));
         const double left = 1 - weight / (1 + before / (misfit * misfit));
         TEST_ASSERT_ERROR_UP_TO(FUSE_TOLERANCE, (float)(sqrt(disagreement(x, seen)) - left * sqrt(before)));
     }
@@ -142,19 +153,48 @@ static void depths_stay(void)
     set_model(1, 0.3, 0.2);
     for (int n = 0; n < 100; n++) {
         someone(&r, 0.1F);
-        edml_fuse(x, in, ALL_SEEN, &model);
+        run(x);
         for (int j = 0; j < EDML_JOINTS; j++) TEST_ASSERT_FLOAT_WITHIN(FUSE_TOLERANCE, person[j].z, x[j].z);
     }
 }
 
-static void without_a_weight_nothing_moves(void)
+static void without_a_share_nothing_moves(void)
 {
     rng r = rng_seed(65);
     set_model(0, 1, 0);
     for (int n = 0; n < 100; n++) {
         someone(&r, 0.1F);
-        edml_fuse(x, in, ALL_SEEN, &model);
-        TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_joint_error(x, person));
+        TEST_ASSERT_FLOAT_WITHIN(FUSE_MISFIT_TOLERANCE, (float)sqrt(disagreement(person, ALL_SEEN)), run(x));
+        TEST_ASSERT_ERROR_UP_TO(FUSE_KEPT, worst_joint_error(x, person));
+    }
+}
+
+/* To where the image has it, at its best scale. */
+static void a_share_of_one_moves_a_joint_to_the_image_and_others_stay(void)
+{
+    rng r = rng_seed(72);
+    for (int n = 0; n < 100; n++) {
+        edml_point flat[EDML_JOINTS];
+        set_model(0, 8, n % 2 ? 0.25 : 0);
+        someone(&r, 0.1F);
+        const int moved = n % EDML_JOINTS;
+        share[moved] = 1;
+        image_points(flat, person, ALL_SEEN);
+        const edml_point at = mean_of(flat, ALL_SEEN), middle = mean_of(person, ALL_SEEN);
+        double xu = 0, uu = 0;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            const double u = (double)(flat[j].x - at.x), v = (double)(flat[j].y - at.y);
+            xu += u * (double)(person[j].x - middle.x) + v * (double)(person[j].y - middle.y);
+            uu += u * u + v * v;
+        }
+        run(x);
+        const float scale = (float)(xu / uu), weight = (float)(64 / (64 + disagreement(person, ALL_SEEN)));
+        edml_point expected = person[moved];
+        expected.x += weight * (middle.x + scale * (flat[moved].x - at.x) - expected.x);
+        expected.y += weight * (middle.y + scale * (flat[moved].y - at.y) - expected.y);
+        TEST_ASSERT_ERROR_UP_TO(FUSE_TOLERANCE, (float)distance_between(expected, x[moved]));
+        x[moved] = person[moved];
+        TEST_ASSERT_ERROR_UP_TO(FUSE_KEPT, worst_joint_error(x, person));
     }
 }
 
@@ -164,41 +204,46 @@ static void joints_that_were_not_seen_stay_where_they_are(void)
     set_model(1, 0.3, 0.2);
     for (int n = 0; n < 100; n++) {
         someone(&r, 0.1F);
-        in[EDML_R_WRIST].x = in[EDML_L_ANKLE].y = NAN;
-        edml_fuse(x, in, ALL_SEEN & ~(1 << EDML_R_WRIST) & ~(1 << EDML_L_ANKLE), &model);
+        image.at[EDML_R_WRIST].u = image.at[EDML_L_ANKLE].v = share[EDML_L_ANKLE] = NAN;
+        image.seen = ALL_SEEN & ~(1 << EDML_R_WRIST) & ~(1 << EDML_L_ANKLE);
+        TEST_ASSERT_TRUE(run(x) > 0);
         TEST_ASSERT_TRUE(all_finite(x, 3 * EDML_JOINTS));
-        const edml_point a = person[EDML_R_WRIST], b = person[EDML_L_ANKLE];
-        TEST_ASSERT_FLOAT_WITHIN(FUSE_TOLERANCE, a.x - b.x, x[EDML_R_WRIST].x - x[EDML_L_ANKLE].x);
-        TEST_ASSERT_FLOAT_WITHIN(FUSE_TOLERANCE, a.y - b.y, x[EDML_R_WRIST].y - x[EDML_L_ANKLE].y);
+        TEST_ASSERT_ERROR_UP_TO(FUSE_KEPT, (float)distance_between(person[EDML_R_WRIST], x[EDML_R_WRIST]));
+        TEST_ASSERT_ERROR_UP_TO(FUSE_KEPT, (float)distance_between(person[EDML_L_ANKLE], x[EDML_L_ANKLE]));
     }
 }
 
-static void mid_hip_is_the_origin(void)
+/* With equal shares: what the points are about is not changed, wherever the image is. */
+static void the_mean_of_the_seen_joints_stays(void)
 {
     rng r = rng_seed(67);
-    set_model(0.9, 0.3, 0.2);
+    set_model(0.9F, 0.3, 0.2);
     for (int n = 0; n < 50; n++) {
         someone(&r, 0.1F);
-        edml_fuse(x, in, ALL_SEEN, &model);
-        TEST_ASSERT_ERROR_UP_TO(ROUNDING, x[EDML_R_HIP].x + x[EDML_L_HIP].x);
-        TEST_ASSERT_ERROR_UP_TO(ROUNDING, x[EDML_R_HIP].y + x[EDML_L_HIP].y);
-        TEST_ASSERT_ERROR_UP_TO(ROUNDING, x[EDML_R_HIP].z + x[EDML_L_HIP].z);
+        if (n % 2) image.seen = ALL_SEEN & ~(1 << EDML_R_WRIST) & ~(1 << EDML_HEAD);
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            image.at[j].u += 0.5F;
+            image.at[j].v -= 0.25F;
+        }
+        const edml_point was = mean_of(person, image.seen);
+        run(x);
+        TEST_ASSERT_ERROR_UP_TO(ROUNDING, (float)distance_between(was, mean_of(x, image.seen)));
     }
 }
 
 static void a_mirrored_image_mirrors_the_pose(void)
 {
     rng r = rng_seed(68);
-    set_model(0.9, 0.1, 0.2);
+    set_model(0.9F, 0.1, 0.2);
     for (int n = 0; n < 50; n++) {
         someone(&r, 0.05F);
         for (int j = 0; j < EDML_JOINTS; j++) {
             y[j] = x[j];
             y[j].x = -x[j].x;
         }
-        edml_fuse(x, in, ALL_SEEN, &model);
-        for (int j = 0; j < EDML_JOINTS; j++) in[j].x = -in[j].x;
-        edml_fuse(y, in, ALL_SEEN, &model);
+        const float misfit = run(x);
+        for (int j = 0; j < EDML_JOINTS; j++) image.at[j].u = -image.at[j].u;
+        TEST_ASSERT_FLOAT_WITHIN(FUSE_MISFIT_TOLERANCE, misfit, run(y));
         for (int j = 0; j < EDML_JOINTS; j++) y[j].x = -y[j].x;
         TEST_ASSERT_ERROR_UP_TO(FUSE_TOLERANCE, worst_joint_error(x, y));
     }
@@ -206,11 +251,18 @@ static void a_mirrored_image_mirrors_the_pose(void)
 
 /* ---- Where there is nothing to go by ----------------------------------------------------------- */
 
+/* The misfit is then all of the points' extent across the axis. */
 static void check_kept(void)
 {
+    const edml_point middle = mean_of(person, ALL_SEEN);
+    double square = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const double px = (double)(person[j].x - middle.x), py = (double)(person[j].y - middle.y);
+        square += (px * px + py * py) / EDML_JOINTS;
+    }
     memcpy(x, person, sizeof x);
-    edml_fuse(x, in, ALL_SEEN, &model);
-    TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_joint_error(x, person));
+    TEST_ASSERT_FLOAT_WITHIN(FUSE_TOLERANCE, (float)sqrt(square), run(x));
+    TEST_ASSERT_ERROR_UP_TO(FUSE_KEPT, worst_joint_error(x, person));
 }
 
 static void images_of_no_size_or_upside_down_leave_the_pose(void)
@@ -219,13 +271,13 @@ static void images_of_no_size_or_upside_down_leave_the_pose(void)
     set_model(1, 1, 0);
     someone(&r, 0);
     for (int j = 0; j < EDML_JOINTS; j++) {
-        in[j].x = 1000 - in[j].x;
-        in[j].y = 1000 - in[j].y;
+        image.at[j].u = 0.5F - image.at[j].u;
+        image.at[j].v = 0.5F - image.at[j].v;
     }
     check_kept();
-    for (int j = 0; j < EDML_JOINTS; j++) in[j].y = 100;
+    for (int j = 0; j < EDML_JOINTS; j++) image.at[j].v = 0.25F;
     check_kept();
-    for (int j = 0; j < EDML_JOINTS; j++) in[j].x = 100;
+    for (int j = 0; j < EDML_JOINTS; j++) image.at[j].u = 0.25F;
     check_kept();
 }
 
@@ -235,7 +287,7 @@ static void equal_points_stay_at_the_origin(void)
     set_model(1, 0.01, 0.3);
     someone(&r, 0);
     equal_points(x, 0, 0, 0);
-    edml_fuse(x, in, ALL_SEEN, &model);
+    TEST_ASSERT_TRUE(run(x) == 0);
     for (int j = 0; j < EDML_JOINTS; j++) TEST_ASSERT_TRUE(x[j].x == 0 && x[j].y == 0 && x[j].z == 0);
 }
 
@@ -245,11 +297,16 @@ static void no_joints_leave_the_pose_and_bits_beyond_them_do_not_count(void)
     set_model(1, 0.01, 0.3);
     someone(&r, 0.05F);
     memcpy(x, person, sizeof x);
-    edml_fuse(x, in, 0, &model);
-    TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_joint_error(x, person));
+    image.seen = 0;
+    TEST_ASSERT_TRUE(run(x) == 0);
+    image.seen = (uint16_t)~ALL_SEEN;
+    TEST_ASSERT_TRUE(run(x) == 0);
+    TEST_ASSERT_ERROR_UP_TO(FUSE_KEPT, worst_joint_error(x, person));
     memcpy(y, x, sizeof y);
-    edml_fuse(x, in, ALL_SEEN, &model);
-    edml_fuse(y, in, 0xFFFF, &model);
+    image.seen = ALL_SEEN;
+    const float misfit = run(x);
+    image.seen = 0xFFFF;
+    TEST_ASSERT_TRUE(run(y) == misfit);
     TEST_ASSERT_EQUAL_MEMORY(x, y, sizeof x);
 }
 
@@ -260,9 +317,10 @@ int main(void)
     RUN_TEST(nor_does_perspective_move_it);
     RUN_TEST(what_disagrees_shrinks_by_the_weight);
     RUN_TEST(depths_stay);
-    RUN_TEST(without_a_weight_nothing_moves);
+    RUN_TEST(without_a_share_nothing_moves);
+    RUN_TEST(a_share_of_one_moves_a_joint_to_the_image_and_others_stay);
     RUN_TEST(joints_that_were_not_seen_stay_where_they_are);
-    RUN_TEST(mid_hip_is_the_origin);
+    RUN_TEST(the_mean_of_the_seen_joints_stays);
     RUN_TEST(a_mirrored_image_mirrors_the_pose);
     RUN_TEST(images_of_no_size_or_upside_down_leave_the_pose);
     RUN_TEST(equal_points_stay_at_the_origin);

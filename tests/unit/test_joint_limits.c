@@ -15,8 +15,7 @@ static void pose_of(edml_pose *of, const edml_point joint[EDML_JOINTS])
 {
     memset(of, 0, sizeof *of);
     memcpy(of->joint, joint, sizeof of->joint);
-    of->mirror_margin = 2;
-    of->residual = 0.25F;
+    of->misfit = 0.25F;
     of->seen = ALL_SEEN;
 }
 
@@ -169,7 +168,7 @@ static void the_mirror_image_comes_back_as_the_person(void)
     pose_of(&pose, x);
     TEST_ASSERT_EQUAL_INT(beyond(x), reflect_pose(&pose));
     TEST_ASSERT_ERROR_UP_TO(0, worst_joint_error(person, pose.joint));
-    TEST_ASSERT_TRUE(pose.mirror_margin == 0 && pose.residual == 0.25F && pose.seen == ALL_SEEN);
+    TEST_ASSERT_TRUE(pose.misfit == 0.25F && pose.seen == ALL_SEEN);
 }
 
 static void any_mirror_image_comes_back_as_the_person_turned(void)

@@ -1,8 +1,10 @@
-/* network/: FConn in float and in integers, and models.  The float one's values are
- * compared with NumPy's in test_vectors.c.
+/* network/: FConn and the equivariant networks in float and in integers, and models.  The shipped ones' values
+ * are compared with NumPy's in test_vectors.c.
  *
  * SPDX-License-Identifier: MIT
  */
+#include <stdio.h>
+
 #include "helpers.h"
 #include "network/kernels.h" /* to make models of our own: what a generated header fills in */
 
@@ -13,8 +15,26 @@ EDML_KERNEL(equivariant, f32);
 EDML_KERNEL(equivariant, w16);
 EDML_KERNEL(equivariant, w8);
 
+enum { WIDE = EDML_MAX_UNITS, HIGHEST = 127 << 24, ONE = 1 << 24 };
+
 static edml_work work;
-static float edm[EDML_PAIRS], distance[EDML_PAIRS], again[EDML_PAIRS];
+static edml_work_q work_q24;
+static float edm[EDML_PAIRS], distance[EDML_PAIRS];
+
+/* As the lift runs a network: on its work memory, in place. */
+static void predict(float *out, const float *in, const edml_model *model)
+{
+    memcpy(work.io.values, in, model->inputs * sizeof *in);
+    edml__run_network(model, &work);
+    memcpy(out, work.io.values, (size_t)edml__output_values(model) * sizeof *out);
+}
+
+static void predict_q(int32_t *out, const int32_t *in, const edml_model *model)
+{
+    memcpy(work_q24.io.values, in, model->inputs * sizeof *in);
+    edml__run_network_q(model, &work_q24);
+    memcpy(out, work_q24.io.values, (size_t)edml__output_values(model) * sizeof *out);
+}
 
 static void fill_edm(uint32_t seed)
 {
@@ -27,7 +47,7 @@ static void distances_are_finite_and_not_negative(void)
     for (uint32_t seed = 0; seed < 50; seed++) {
         fill_edm(seed);
         if (seed == 0) memset(edm, 0, sizeof edm);
-        edml_predict(distance, edm, &edml_fconn_f32, &work, sizeof work);
+        predict(distance, edm, &edml_fconn_f32);
         TEST_ASSERT_TRUE(all_finite(distance, EDML_PAIRS));
         for (int n = 0; n < EDML_PAIRS; n++) TEST_ASSERT_TRUE(distance[n] >= 0);
     }
@@ -35,21 +55,18 @@ static void distances_are_finite_and_not_negative(void)
 
 static void what_work_memory_held_does_not_matter(void)
 {
-    fill_edm(1);
-    memset(&work, 0, sizeof work);
-    edml_predict(distance, edm, &edml_fconn_f32, &work, sizeof work);
-    memset(&work, 0xFF, sizeof work); /* NaN */
-    edml_predict(again, edm, &edml_fconn_f32, &work, sizeof work);
-    TEST_ASSERT_SAME_BYTES(distance, again);
-}
-
-static void the_input_is_left_alone(void)
-{
-    float was[EDML_PAIRS];
-    fill_edm(2);
-    memcpy(was, edm, sizeof was);
-    edml_predict(distance, edm, &edml_fconn_f32, &work, sizeof work);
-    TEST_ASSERT_SAME_BYTES(was, edm);
+    static const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_w8, &edml_direct_f32,
+                                               &edml_direct_w16, &edml_distances_f32};
+    float out[2 * WIDE], other[2 * WIDE], in[2 * WIDE];
+    rng r = rng_seed(1);
+    for (int k = 0; k < 2 * WIDE; k++) in[k] = uniform(&r, 0, 3);
+    for (unsigned n = 0; n < sizeof models / sizeof *models; n++) {
+        memset(&work, 0, sizeof work);
+        predict(out, in, models[n]);
+        memset(&work, 0xFF, sizeof work); /* NaN */
+        predict(other, in, models[n]);
+        TEST_ASSERT_EQUAL_MEMORY(out, other, (size_t)edml__output_values(models[n]) * sizeof *out);
+    }
 }
 
 /* ---- Networks of our own ----------------------------------------------------------------------- */
@@ -86,7 +103,7 @@ static void a_layer_is_weight_times_input_plus_bias(void)
 {
     for (int n = 0; n < EDML_PAIRS; n++) edm[n] = (float)(n % 7) * 0.25F;
     const edml_model model = diagonal_model(2, 1, 1);
-    edml_predict(distance, edm, &model, &work, sizeof work);
+    predict(distance, edm, &model);
     for (int n = 0; n < EDML_PAIRS; n++) TEST_ASSERT_TRUE(distance[n] == 2 * edm[n] + (float)n);
 }
 
@@ -99,7 +116,7 @@ static void a_layer_adds_up_all_inputs(void)
         weight[3 / EDML_ROWS][n][3 % EDML_ROWS] = 0.5F;
         sum += 0.5 * n;
     }
-    edml_predict(distance, edm, &model, &work, sizeof work);
+    predict(distance, edm, &model);
     for (int n = 0; n < EDML_PAIRS; n++) TEST_ASSERT_TRUE(distance[n] == (n == 3 ? (float)sum : 0.0F));
 }
 
@@ -107,7 +124,7 @@ static void negative_sums_become_zero(void)
 {
     for (int n = 0; n < EDML_PAIRS; n++) edm[n] = 40;
     const edml_model model = diagonal_model(1, -1, 1);
-    edml_predict(distance, edm, &model, &work, sizeof work);
+    predict(distance, edm, &model);
     for (int n = 0; n < EDML_PAIRS; n++) TEST_ASSERT_TRUE(distance[n] == (n < 40 ? (float)(40 - n) : 0.0F));
 }
 
@@ -115,16 +132,13 @@ static void layers_follow_one_another(void)
 {
     for (int n = 0; n < EDML_PAIRS; n++) edm[n] = (float)n;
     const edml_model model = diagonal_model(2, 1, 2);
-    edml_predict(distance, edm, &model, &work, sizeof work);
+    predict(distance, edm, &model);
     for (int n = 0; n < EDML_PAIRS; n++) TEST_ASSERT_TRUE(distance[n] == (float)(4 * n + 3 * n));
 }
 
 /* ---- Integers, against model.h's definition written plainly -------------------------------- */
 
-enum { WIDE = EDML_MAX_UNITS, HIGHEST = 127 << 24 };
-
-static edml_work_q work_q24;
-static int32_t edm_q24[EDML_PAIRS], distance_q24[EDML_PAIRS], wanted_q24[EDML_PAIRS];
+static int32_t in_q24[WIDE], out_q24[2 * WIDE], wanted_q24[2 * WIDE];
 
 static int is_equivariant(const edml_model *model)
 {
@@ -136,13 +150,14 @@ static int is_w16(const edml_model *model)
     return model->predict_q == edml__fconn_w16 || model->predict_q == edml__equivariant_w16;
 }
 
+static int full_groups(int rows) { return (rows + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS; }
+
 /* Layer n of a quantised model; one of 8 bits gets weights of 16 from the caller. */
 static edml_dense_w16 wide_layer(const edml_model *model, int n, int16_t wide[WIDE * WIDE])
 {
     if (is_w16(model)) return ((const edml_dense_w16 *)model->layers)[n];
     const edml_dense_w8 *narrow = &((const edml_dense_w8 *)model->layers)[n];
-    const int count = (narrow->outputs + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS * narrow->inputs;
-    for (int k = 0; k < count; k++) wide[k] = narrow->weight[k];
+    for (int k = 0; k < full_groups(narrow->outputs) * narrow->inputs; k++) wide[k] = narrow->weight[k];
     const edml_dense_w16 layer = {narrow->inputs,     narrow->outputs, wide,         narrow->bias,
                                   narrow->multiplier, narrow->shift,   narrow->clamp};
     return layer;
@@ -169,10 +184,10 @@ static int64_t activated(int64_t sum, const edml_dense_w16 *layer, int row)
 
 static int16_t wide_weights[WIDE * WIDE];
 
-static void expect_fconn(const int32_t edm_in[EDML_PAIRS], const edml_model *model)
+static void expect_fconn(const int32_t in[EDML_PAIRS], const edml_model *model)
 {
     int64_t x[WIDE], y[WIDE];
-    for (int k = 0; k < EDML_PAIRS; k++) x[k] = scaled_down((int64_t)edm_in[k] + 2048, 12, 32767);
+    for (int k = 0; k < EDML_PAIRS; k++) x[k] = scaled_down((int64_t)in[k] + 2048, 12, 32767);
     for (int n = 0; n < model->layer_count; n++) {
         const edml_dense_w16 layer = wide_layer(model, n, wide_weights);
         for (int row = 0; row < layer.outputs; row++) {
@@ -188,116 +203,85 @@ static void expect_fconn(const int32_t edm_in[EDML_PAIRS], const edml_model *mod
     for (int k = 0; k < EDML_PAIRS; k++) wanted_q24[k] = (int32_t)x[k];
 }
 
-/* The pair with left for right. */
-static int mirror_pair_of(int i, int j)
+/* Without a ReLU: the same on either side of zero. */
+static int64_t signed_one(int64_t sum, const edml_dense_w16 *layer, int row)
 {
-    const int a = edml_mirror_joint[i], b = edml_mirror_joint[j];
-    return a < b ? EDML_PAIR(a, b) : EDML_PAIR(b, a);
+    return sum < 0 ? -activated(-sum, layer, row) : activated(sum, layer, row);
 }
 
-/* Pairs in their order, the first of two mirror pairs alone; then those that mirror themselves. */
-static int first_pairs(int pair[49])
+/* Units and mirror units, by the definition: each reads what is even, and what is odd with either sign. */
+static void expect_equivariant(const int32_t *in, const edml_model *model)
 {
-    int count = 0;
-    for (int own = 0; own < 2; own++)
-        for (int i = 0; i < EDML_JOINTS; i++)
-            for (int j = i + 1; j < EDML_JOINTS; j++)
-                if (own ? EDML_PAIR(i, j) == mirror_pair_of(i, j) : EDML_PAIR(i, j) < mirror_pair_of(i, j))
-                    pair[count++] = EDML_PAIR(i, j);
-    return count;
-}
-
-static int mirror_pair[EDML_PAIRS]; /* of each pair */
-
-static void fill_mirror_pairs(void)
-{
-    for (int i = 0; i < EDML_JOINTS; i++)
-        for (int j = i + 1; j < EDML_JOINTS; j++) mirror_pair[EDML_PAIR(i, j)] = mirror_pair_of(i, j);
-}
-
-/* d^2 / (d + 0.6) in Q12, less 3.5. */
-static int64_t softened(int32_t q24)
-{
-    const int64_t d = scaled_down((int64_t)q24 + 2048, 12, 32767), sum = d + 2458;
-    return (d * d + sum / 2) / sum - 14336;
-}
-
-static void expect_equivariant(const int32_t edm_in[EDML_PAIRS], const edml_model *model)
-{
-    int64_t x[2][WIDE], y[2][WIDE]; /* first pairs and their mirror pairs */
-    int pair[49], count = first_pairs(pair);
-    TEST_ASSERT_EQUAL_INT(49, count);
-    fill_mirror_pairs();
-    for (int k = 0; k < count; k++) {
-        x[0][k] = softened(edm_in[pair[k]]);
-        x[1][k] = softened(edm_in[mirror_pair[pair[k]]]);
+    int64_t even[WIDE], odd[WIDE], unit[2][WIDE];
+    int evens = model->even_inputs, odds = model->inputs - model->even_inputs;
+    for (int k = 0; k < model->inputs; k++) { /* to Q12, halves up */
+        const int64_t q12 = ((int64_t)in[k] + 2048) >> 12;
+        *(k < evens ? &even[k] : &odd[k - evens]) = q12 < 32767 ? q12 : 32767;
     }
     for (int n = 0; n < model->layer_count; n++) {
         const edml_dense_w16 layer = wide_layer(model, n, wide_weights);
-        for (int row = 0; row < layer.outputs; row++) {
-            int64_t even = layer.bias[row], odd = 0;
-            for (int i = 0; i < count; i++) {
-                even += weight_of(&layer, row, i) * (x[0][i] + x[1][i]);
-                if (count + i < layer.inputs)
-                    odd += weight_of(&layer, row, count + i) * (x[0][i] - x[1][i]);
-                TEST_ASSERT_TRUE(INT32_MIN <= even && even <= INT32_MAX);
-                TEST_ASSERT_TRUE(INT32_MIN <= odd && odd <= INT32_MAX);
-            }
-            y[0][row] = activated(even + odd, &layer, row);
-            y[1][row] = activated(even - odd, &layer, row);
+        const int last = n == model->layer_count - 1, count = full_groups(layer.outputs);
+        TEST_ASSERT_EQUAL_INT(layer.inputs, evens + odds);
+        for (int row = 0; row < count; row++) {
+            int64_t e = layer.bias[row], o = 0;
+            for (int i = 0; i < evens; i++) e += weight_of(&layer, row, i) * even[i];
+            for (int i = 0; i < odds; i++) o += weight_of(&layer, row, evens + i) * odd[i];
+            TEST_ASSERT_TRUE(INT32_MIN <= e && e <= INT32_MAX);
+            TEST_ASSERT_TRUE(INT32_MIN <= o && o <= INT32_MAX);
+            unit[0][row] = last ? signed_one(e + o, &layer, row) : activated(e + o, &layer, row);
+            unit[1][row] = last ? signed_one(e - o, &layer, row) : activated(e - o, &layer, row);
         }
-        memcpy(x, y, sizeof x);
-        count = layer.outputs;
-    }
-    for (int k = 0; k < count; k++) {
-        wanted_q24[pair[k]] = (int32_t)x[0][k];
-        wanted_q24[mirror_pair[pair[k]]] = (int32_t)x[1][k];
+        for (int k = 0; k < count; k++) {
+            even[k] = unit[0][k] + unit[1][k];
+            odd[k] = unit[0][k] - unit[1][k];
+            wanted_q24[k] = (int32_t)unit[0][k];
+            wanted_q24[count + k] = (int32_t)unit[1][k];
+        }
+        evens = odds = count;
     }
 }
 
-static void expect_distances(const int32_t edm_in[EDML_PAIRS], const edml_model *model)
-{
-    if (is_equivariant(model))
-        expect_equivariant(edm_in, model);
-    else
-        expect_fconn(edm_in, model);
-}
-
-/* EDMs of all sizes: first what is likely, then anything, then the extremes. */
-enum { EDMS = 40 };
-static void fill_edm_q24(int n)
+/* Inputs of all sizes: first what is likely, then anything, then the extremes.  EDMs go as far as a Q24 does,
+ * the inputs of the other networks to +-8. */
+enum { INPUTS = 40 };
+static void fill_inputs(int n, const edml_model *model)
 {
     rng r = rng_seed((uint32_t)n);
-    for (int k = 0; k < EDML_PAIRS; k++) {
-        edm_q24[k] = (int32_t)uniform(&r, 0, n < 20 ? 3 << 24 : (float)HIGHEST);
-        if (n == EDMS - 4) edm_q24[k] = 0;
-        if (n == EDMS - 3) edm_q24[k] = HIGHEST;
-        if (n == EDMS - 2) edm_q24[k] = k % 2 == 0 ? HIGHEST : 0;
-        if (n == EDMS - 1) edm_q24[k] = INT32_MAX;
+    const int equivariant = is_equivariant(model);
+    const int32_t most = equivariant ? 8 * ONE : n == INPUTS - 1 ? INT32_MAX : HIGHEST;
+    const int32_t least = equivariant ? -most : 0;
+    const float likely = n < 20 ? 3 * (float)ONE : (float)most;
+    for (int k = 0; k < model->inputs; k++) {
+        in_q24[k] = (int32_t)uniform(&r, equivariant ? -likely : 0, likely);
+        if (n == INPUTS - 4) in_q24[k] = least;
+        if (n == INPUTS - 3 || n == INPUTS - 1) in_q24[k] = most;
+        if (n == INPUTS - 2) in_q24[k] = k % 2 == 0 ? most : least;
     }
 }
 
-/* The model does as defined: between arrays, in place, and in place in its own work memory. */
+/* The model does as defined: between arrays, and in place. */
 static void check_against_definition(const edml_model *model)
 {
-    for (int n = 0; n < EDMS; n++) {
-        fill_edm_q24(n);
-        expect_distances(edm_q24, model);
+    const size_t size = (size_t)edml__output_values(model) * sizeof *out_q24;
+    for (int n = 0; n < INPUTS; n++) {
+        fill_inputs(n, model);
+        if (is_equivariant(model))
+            expect_equivariant(in_q24, model);
+        else
+            expect_fconn(in_q24, model);
         memset(&work_q24, n, sizeof work_q24);
-        edml_predict_q(distance_q24, edm_q24, model, &work_q24, sizeof work_q24);
-        TEST_ASSERT_SAME_BYTES(wanted_q24, distance_q24);
-        memcpy(work_q24.scratch.layer[0], edm_q24, sizeof edm_q24);
-        edml_predict_q(distance_q24, work_q24.scratch.layer[0], model, &work_q24, sizeof work_q24);
-        TEST_ASSERT_SAME_BYTES(wanted_q24, distance_q24);
-        edml_predict_q(edm_q24, edm_q24, model, &work_q24, sizeof work_q24);
-        TEST_ASSERT_SAME_BYTES(wanted_q24, edm_q24);
+        model->predict_q(out_q24, in_q24, model, &work_q24.scratch);
+        TEST_ASSERT_EQUAL_MEMORY(wanted_q24, out_q24, size);
+        predict_q(out_q24, in_q24, model);
+        TEST_ASSERT_EQUAL_MEMORY(wanted_q24, out_q24, size);
     }
 }
 
 static void quantised_models_are_as_defined(void)
 {
-    check_against_definition(&edml_fconn_w16);
-    check_against_definition(&edml_fconn_w8);
+    static const edml_model *const models[] = {&edml_fconn_w16,     &edml_fconn_w8, &edml_distances_w16,
+                                               &edml_distances_w8, &edml_direct_w16, &edml_direct_w8};
+    for (unsigned n = 0; n < sizeof models / sizeof *models; n++) check_against_definition(models[n]);
 }
 
 /* Random layers with sums of up to 31 bits: 128 * 255 * 32767 + 2^30 < 2^31. */
@@ -312,23 +296,31 @@ typedef struct {
     void (*predict)(int32_t *distance, const int32_t *edm, const edml_model *model, void *scratch);
     uint32_t (*compute_checksum)(const edml_model *model);
     int w16;
+    const edml_model *like;          /* what it reads */
     uint16_t units, inputs, outputs; /* the first layer's; the second's */
     int32_t clamp;
 } kind;
 
-static const kind fconn_w16 = {edml__fconn_w16, edml__fconn_checksum_w16, 1, 100, 100, EDML_PAIRS, 32767};
-static const kind fconn_w8 = {edml__fconn_w8, edml__fconn_checksum_w8, 0, 100, 100, EDML_PAIRS, 32767};
-static const kind equivariant_w16 = {
-    edml__equivariant_w16, edml__equivariant_checksum_w16, 1, 48, 96, 49, 16383};
-static const kind equivariant_w8 = {
-    edml__equivariant_w8, edml__equivariant_checksum_w8, 0, 48, 96, 49, 16383};
-static const kind *const kinds[] = {&fconn_w16, &fconn_w8, &equivariant_w16, &equivariant_w8};
+static const kind fconn_w16 = {
+    edml__fconn_w16, edml__fconn_checksum_w16, 1, &edml_fconn_w16, 100, 100, EDML_PAIRS, 32767};
+static const kind fconn_w8 = {
+    edml__fconn_w8, edml__fconn_checksum_w8, 0, &edml_fconn_w16, 100, 100, EDML_PAIRS, 32767};
+static const kind direct_w16 = {
+    edml__equivariant_w16, edml__equivariant_checksum_w16, 1, &edml_direct_w16, 48, 96, 32, 16383};
+static const kind direct_w8 = {
+    edml__equivariant_w8, edml__equivariant_checksum_w8, 0, &edml_direct_w16, 48, 96, 32, 16383};
+static const kind distances_w16 = {
+    edml__equivariant_w16, edml__equivariant_checksum_w16, 1, &edml_distances_w16, 48, 96, 81, 16383};
+static const kind distances_w8 = {
+    edml__equivariant_w8, edml__equivariant_checksum_w8, 0, &edml_distances_w16, 48, 96, 81, 16383};
+static const kind *const kinds[] = {&fconn_w16, &fconn_w8,      &direct_w16,
+                                    &direct_w8, &distances_w16, &distances_w8};
 
 static edml_model random_model(uint32_t seed, const kind *of)
 {
     rng r = rng_seed(seed);
     for (int n = 0; n < 2; n++) {
-        const uint16_t inputs = n == 0 ? EDML_PAIRS : of->inputs;
+        const uint16_t inputs = n == 0 ? of->like->inputs : of->inputs;
         const uint16_t outputs = n == 0 ? of->units : of->outputs;
         const uint8_t shift = n == 0 ? 44 : 35;
         const int32_t limit = n == 0 ? of->clamp : 3 << 24;
@@ -347,14 +339,7 @@ static edml_model random_model(uint32_t seed, const kind *of)
         layers_w16[n] = w16;
         layers_w8[n] = w8;
     }
-    /* Nothing is odd about pairs that mirror themselves. */
-    for (int row = 42; of->outputs == 49 && row < 56; row++)
-        for (int k = of->inputs / 2; k < of->inputs; k++) {
-            const int at = (row / 8 * of->inputs + k) * 8 + row % 8;
-            weight_w16[1][at] = 0;
-            weight_w8[1][at] = 0;
-        }
-    edml_model model = edml_fconn_w16;
+    edml_model model = *of->like;
     model.predict_q = of->predict;
     model.compute_checksum = of->compute_checksum;
     model.layers = of->w16 ? (const void *)layers_w16 : (const void *)layers_w8;
@@ -373,27 +358,100 @@ static void random_layers_are_as_defined(void)
     }
 }
 
-/* Left and right swapped in the input are swapped in the output, to the last bit. */
-static void left_and_right_are_alike(void)
+/* With what is odd negated, rows and mirror rows change places, to the last bit. */
+static void mirrored_inputs_exchange_rows_and_mirror_rows(void)
 {
-    float turned[EDML_PAIRS];
-    fill_mirror_pairs();
+    static const edml_model *const models[] = {&edml_direct_f32,    &edml_direct_w16,    &edml_direct_w8,
+                                               &edml_distances_f32, &edml_distances_w16, &edml_distances_w8};
+    float in[WIDE], mirrored[WIDE], out[2 * WIDE], other[2 * WIDE];
     for (uint32_t seed = 0; seed < 20; seed++) {
-        const edml_model *const models[] = {&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8};
-        fill_edm(seed);
-        for (int k = 0; k < EDML_PAIRS; k++) turned[k] = edm[mirror_pair[k]];
+        rng r = rng_seed(seed);
         for (unsigned n = 0; n < sizeof models / sizeof *models; n++) {
-            edml_predict(distance, edm, models[n], &work, sizeof work);
-            edml_predict(again, turned, models[n], &work, sizeof work);
-            int differ = 0;
-            for (int k = 0; k < EDML_PAIRS; k++) {
-                TEST_ASSERT_TRUE(again[k] == distance[mirror_pair[k]]);
-                differ += again[k] != distance[k];
+            const int values = edml__output_values(models[n]), rows = values / 2;
+            for (int k = 0; k < models[n]->inputs; k++) {
+                in[k] = floorf(uniform(&r, -8 * 4096, 8 * 4096)) / 4096; /* which integers hold exactly */
+                mirrored[k] = k < models[n]->even_inputs ? in[k] : -in[k];
             }
-            TEST_ASSERT_TRUE(differ > EDML_PAIRS / 2);
+            predict(out, in, models[n]);
+            predict(other, mirrored, models[n]);
+            int differ = 0;
+            for (int k = 0; k < values; k++) {
+                TEST_ASSERT_TRUE(out[k] == other[(k + rows) % values]);
+                differ += out[k] != other[k];
+            }
+            TEST_ASSERT_TRUE(differ > values / 2);
         }
     }
 }
+
+/* ---- Equivariant networks in float, against the definition in double ------------------------------ */
+
+static float weight_f32[2][WIDE * WIDE], bias_f32[2][WIDE];
+static edml_dense_f32 layers_f32[2];
+static double wanted[2 * WIDE];
+
+static void expect_equivariant_f32(const float *in, const edml_model *model)
+{
+    double even[WIDE], odd[WIDE];
+    int evens = model->even_inputs, odds = model->inputs - model->even_inputs;
+    for (int k = 0; k < model->inputs; k++) *(k < evens ? &even[k] : &odd[k - evens]) = (double)in[k];
+    for (int n = 0; n < model->layer_count; n++) {
+        const edml_dense_f32 *layer = &((const edml_dense_f32 *)model->layers)[n];
+        const int last = n == model->layer_count - 1, count = full_groups(layer->outputs);
+        for (int row = 0; row < count; row++) {
+            const float *w = layer->weight + row / 8 * 8 * layer->inputs + row % 8;
+            double e = (double)layer->bias[row], o = 0;
+            for (int i = 0; i < evens; i++) e += (double)w[8 * i] * even[i];
+            for (int i = 0; i < odds; i++) o += (double)w[8 * (evens + i)] * odd[i];
+            wanted[row] = last ? e + o : fmax(e + o, 0);
+            wanted[count + row] = last ? e - o : fmax(e - o, 0);
+        }
+        for (int k = 0; k < count; k++) {
+            even[k] = wanted[k] + wanted[count + k];
+            odd[k] = wanted[k] - wanted[count + k];
+        }
+        evens = odds = count;
+    }
+}
+
+/* Two layers whose outputs are about 1. */
+static edml_model random_model_f32(rng *r, const edml_model *like)
+{
+    for (int n = 0; n < 2; n++) {
+        const uint16_t inputs = n == 0 ? like->inputs : 96, outputs = n == 0 ? 48 : like->outputs;
+        for (int k = 0; k < WIDE * WIDE; k++) weight_f32[n][k] = 0.1F * gauss(r);
+        for (int k = 0; k < WIDE; k++) bias_f32[n][k] = gauss(r);
+        const edml_dense_f32 layer = {inputs, outputs, weight_f32[n], bias_f32[n]};
+        layers_f32[n] = layer;
+    }
+    edml_model model = *like;
+    model.layers = layers_f32;
+    model.layer_count = 2;
+    return model;
+}
+
+static void check_f32_against_definition(rng *r, const edml_model *model)
+{
+    float in[WIDE], out[2 * WIDE];
+    for (int k = 0; k < model->inputs; k++) in[k] = uniform(r, -3, 3);
+    expect_equivariant_f32(in, model);
+    predict(out, in, model);
+    for (int k = 0; k < edml__output_values(model); k++)
+        TEST_ASSERT_FLOAT_WITHIN(NET_F32_TOLERANCE, (float)wanted[k], out[k]);
+}
+
+static void float_equivariant_networks_are_as_defined(void)
+{
+    rng r = rng_seed(9);
+    for (int n = 0; n < 20; n++) {
+        check_f32_against_definition(&r, &edml_direct_f32);
+        check_f32_against_definition(&r, &edml_distances_f32);
+        const edml_model model = random_model_f32(&r, n % 2 ? &edml_direct_f32 : &edml_distances_f32);
+        check_f32_against_definition(&r, &model);
+    }
+}
+
+/* ---- Rounding and limits of integers ---------------------------------------------------------------- */
 
 /* One layer y_n = (sum_n multiplier + half) >> shift, sum_n = x_n + offset. */
 static edml_model identity_w16(int32_t offset, int32_t multiplier, uint8_t shift, int32_t clamp)
@@ -416,10 +474,10 @@ static edml_model identity_w16(int32_t offset, int32_t multiplier, uint8_t shift
 
 static int32_t first_distance(const edml_model *model, int32_t edm_value)
 {
-    for (int k = 0; k < EDML_PAIRS; k++) edm_q24[k] = edm_value;
-    edml_predict_q(distance_q24, edm_q24, model, &work_q24, sizeof work_q24);
-    for (int k = 1; k < EDML_PAIRS; k++) TEST_ASSERT_EQUAL_INT32(distance_q24[0], distance_q24[k]);
-    return distance_q24[0];
+    for (int k = 0; k < EDML_PAIRS; k++) in_q24[k] = edm_value;
+    predict_q(out_q24, in_q24, model);
+    for (int k = 1; k < EDML_PAIRS; k++) TEST_ASSERT_EQUAL_INT32(out_q24[0], out_q24[k]);
+    return out_q24[0];
 }
 
 static void integers_are_rounded_to_nearest(void)
@@ -446,32 +504,98 @@ static void integers_are_limited(void)
     TEST_ASSERT_EQUAL_INT32(1, first_distance(&tiny, HIGHEST));
 }
 
-/* Distances of people, as the float pipeline gets them, in RMS against the float network. */
-static float rms_from_float(const edml_model *model)
+/* An equivariant layer whose first row is an even input plus an odd one. */
+static edml_model sum_w16(int32_t offset, int32_t multiplier, uint8_t shift)
 {
+    memset(weight_w16[0], 0, sizeof weight_w16[0]);
+    weight_w16[0][0] = weight_w16[0][edml_direct_w16.even_inputs * EDML_ROWS] = 1;
+    for (int k = 0; k < 32; k++) {
+        bias_q24[0][k] = offset;
+        multiplier_q24[0][k] = multiplier;
+    }
+    const edml_dense_w16 layer = {
+        edml_direct_w16.inputs, 32, weight_w16[0], bias_q24[0], multiplier_q24[0], shift, 3 << 24};
+    layers_w16[0] = layer;
+    edml_model model = edml_direct_w16;
+    model.predict_q = edml__equivariant_w16;
+    model.layers = layers_w16;
+    model.layer_count = 1;
+    return model;
+}
+
+static void check_sum(const edml_model *model, int32_t even, int32_t odd, int32_t first, int32_t second)
+{
+    memset(in_q24, 0, sizeof in_q24);
+    in_q24[0] = even;
+    in_q24[model->even_inputs] = odd;
+    predict_q(out_q24, in_q24, model);
+    TEST_ASSERT_EQUAL_INT32(first, out_q24[0]);
+    TEST_ASSERT_EQUAL_INT32(second, out_q24[32]);
+}
+
+static void signed_integers_are_rounded_and_limited_alike_on_either_side(void)
+{
+    const edml_model exact = sum_w16(0, 2, 1); /* y = x */
+    check_sum(&exact, 5 << 12, 3 << 12, 8, 2);
+    check_sum(&exact, -(5 << 12), 3 << 12, -2, -8);
+    check_sum(&exact, 2047, -2048, 0, 0); /* inputs to Q12: halves up */
+    check_sum(&exact, 2048, -2049, 0, 2);
+    check_sum(&exact, 8 * ONE, 0, 32767, 32767); /* inputs end at 32767 ... */
+    check_sum(&exact, -8 * ONE, 0, -32768, -32768);
+    const edml_model eighth = sum_w16(0, 3, 3); /* y = 3/8 x */
+    check_sum(&eighth, 4 << 12, 0, 2, 2);       /* 1.5: halves away from zero */
+    check_sum(&eighth, -(4 << 12), 0, -2, -2);
+    check_sum(&eighth, 1 << 12, 0, 0, 0);
+    check_sum(&eighth, -(1 << 12), 0, 0, 0);
+    const edml_model far = sum_w16(0, INT32_MAX, 20); /* ... and outputs at 3 m */
+    check_sum(&far, 7 * ONE, 0, 3 << 24, 3 << 24);
+    check_sum(&far, -7 * ONE, 0, -(3 << 24), -(3 << 24));
+    check_sum(&far, 0, 7 * ONE, 3 << 24, -(3 << 24));
+    const edml_model high = sum_w16(INT32_MAX - 65535, INT32_MAX, 62);
+    check_sum(&high, 7 * ONE, 0, 1, 1);
+    const edml_model low = sum_w16(-INT32_MAX + 65536, INT32_MAX, 62);
+    check_sum(&low, -7 * ONE, 0, -1, -1);
+}
+
+/* ---- Shipped models ------------------------------------------------------------------------------------ */
+
+/* What is said of people, in RMS against the float network. */
+static float rms_from_float(const edml_model *model, const edml_model *exact)
+{
+    static edml_prediction said, wanted_said;
     rng r = rng_seed(5);
     double sum = 0;
     int count = 0;
+    memset(&said, 0, sizeof said);
+    memset(&wanted_said, 0, sizeof wanted_said);
     for (int n = 0; n < 200; n++) {
         edml_point x[EDML_JOINTS];
         edml_keypoint in[EDML_JOINTS];
+        edml_image image;
         random_human(&r, x);
         photograph(in, x);
-        if (edml_edm(edm, in, EDML_JOINTS, 3, NULL) != EDML_OK) continue;
-        edml_predict(distance, edm, &edml_fconn_f32, &work, sizeof work);
-        memcpy(work.scratch.layer[0], edm, sizeof edm);
-        edml_predict(again, work.scratch.layer[0], model, &work, sizeof work); /* as edml_lift() calls it */
-        for (int k = 0; k < EDML_PAIRS; k++, count++)
-            sum += ((double)again[k] - distance[k]) * ((double)again[k] - distance[k]);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_body_frame(&image, in, EDML_JOINTS, model->imputation));
+        edml_predict(&wanted_said, &image, NULL, exact, &work, sizeof work);
+        edml_predict(&said, &image, NULL, model, &work, sizeof work);
+        const int points = (model->gives & EDML_GIVES_POINTS) != 0;
+        const float *const a = points ? &said.x[0].x : said.distance;
+        const float *const b = points ? &wanted_said.x[0].x : wanted_said.distance;
+        for (int k = 0; k < (points ? 3 * EDML_JOINTS : EDML_PAIRS); k++, count++)
+            sum += ((double)a[k] - (double)b[k]) * ((double)a[k] - (double)b[k]);
     }
-    TEST_ASSERT_TRUE(count > 150 * EDML_PAIRS);
-    return (float)sqrt(sum / count);
+    const float rms = (float)sqrt(sum / count);
+    printf("%s: %.3f mm from float\n", edml_model_name(model), 1e3 * (double)rms);
+    return rms;
 }
 
 static void quantised_models_are_near_the_float_one(void)
 {
-    TEST_ASSERT_ERROR_UP_TO(NET_W16_TOLERANCE, rms_from_float(&edml_fconn_w16));
-    TEST_ASSERT_ERROR_UP_TO(NET_W8_TOLERANCE, rms_from_float(&edml_fconn_w8));
+    TEST_ASSERT_ERROR_UP_TO(NET_W16_TOLERANCE, rms_from_float(&edml_fconn_w16, &edml_fconn_f32));
+    TEST_ASSERT_ERROR_UP_TO(NET_W8_TOLERANCE, rms_from_float(&edml_fconn_w8, &edml_fconn_f32));
+    TEST_ASSERT_ERROR_UP_TO(NET_W16_TOLERANCE, rms_from_float(&edml_direct_w16, &edml_direct_f32));
+    TEST_ASSERT_ERROR_UP_TO(NET_W8_TOLERANCE, rms_from_float(&edml_direct_w8, &edml_direct_f32));
+    TEST_ASSERT_ERROR_UP_TO(NET_W16_TOLERANCE, rms_from_float(&edml_distances_w16, &edml_distances_f32));
+    TEST_ASSERT_ERROR_UP_TO(NET_W8_TOLERANCE, rms_from_float(&edml_distances_w8, &edml_distances_f32));
 }
 
 /* ---- Models ------------------------------------------------------------------------------------ */
@@ -481,13 +605,21 @@ static void the_models_have_their_names(void)
     TEST_ASSERT_EQUAL_STRING("fconn_f32", edml_model_name(&edml_fconn_f32));
     TEST_ASSERT_EQUAL_STRING("fconn_w16", edml_model_name(&edml_fconn_w16));
     TEST_ASSERT_EQUAL_STRING("fconn_w8", edml_model_name(&edml_fconn_w8));
+    TEST_ASSERT_EQUAL_STRING("direct_f32", edml_model_name(&edml_direct_f32));
+    TEST_ASSERT_EQUAL_STRING("direct_w16", edml_model_name(&edml_direct_w16));
+    TEST_ASSERT_EQUAL_STRING("direct_w8", edml_model_name(&edml_direct_w8));
+    TEST_ASSERT_EQUAL_STRING("distances_f32", edml_model_name(&edml_distances_f32));
+    TEST_ASSERT_EQUAL_STRING("distances_w16", edml_model_name(&edml_distances_w16));
+    TEST_ASSERT_EQUAL_STRING("distances_w8", edml_model_name(&edml_distances_w8));
 }
 
 static void the_models_are_sound(void)
 {
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_f32));
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_w16));
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(&edml_fconn_w8));
+    static const edml_model *const models[] = {
+        &edml_fconn_f32, &edml_fconn_w16,     &edml_fconn_w8,      &edml_direct_f32,  &edml_direct_w16,
+        &edml_direct_w8, &edml_distances_f32, &edml_distances_w16, &edml_distances_w8};
+    for (unsigned n = 0; n < sizeof models / sizeof *models; n++)
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_model_check(models[n]));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_model_check(NULL));
 }
 
@@ -532,17 +664,22 @@ static void check_flipped_byte(const edml_model *model, void *byte)
 
 static void one_flipped_bit_in_integers_is_noticed(void)
 {
-    enum { LAST = (EDML_PAIRS + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS - 1, INPUTS = 100 };
+    enum { LAST = (EDML_PAIRS + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS - 1, UNITS = 100 };
     const edml_model w16 = random_model(7, &fconn_w16);
     check_flipped_byte(&w16, &weight_w16[0][0]);
-    check_flipped_byte(&w16, (uint8_t *)&weight_w16[1][(LAST + 1) * INPUTS] - 1);
+    check_flipped_byte(&w16, (uint8_t *)&weight_w16[1][(LAST + 1) * UNITS] - 1);
     check_flipped_byte(&w16, &bias_q24[0][5]);
     check_flipped_byte(&w16, (uint8_t *)&multiplier_q24[1][LAST + 1] - 1);
     const edml_model w8 = random_model(7, &fconn_w8);
     check_flipped_byte(&w8, &weight_w8[0][0]);
-    check_flipped_byte(&w8, &weight_w8[1][(LAST + 1) * INPUTS - 1]);
+    check_flipped_byte(&w8, &weight_w8[1][(LAST + 1) * UNITS - 1]);
     check_flipped_byte(&w8, &bias_q24[1][LAST]);
     check_flipped_byte(&w8, &multiplier_q24[0][0]);
+    const edml_model equivariant = random_model(7, &distances_w16); /* with its filled-up group */
+    check_flipped_byte(&equivariant, &weight_w16[0][0]);
+    check_flipped_byte(&equivariant, (uint8_t *)&weight_w16[1][88 * 96] - 1);
+    check_flipped_byte(&equivariant, &bias_q24[1][87]);
+    check_flipped_byte(&equivariant, &multiplier_q24[0][47]);
 }
 
 int main(void)
@@ -550,16 +687,17 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(distances_are_finite_and_not_negative);
     RUN_TEST(what_work_memory_held_does_not_matter);
-    RUN_TEST(the_input_is_left_alone);
     RUN_TEST(a_layer_is_weight_times_input_plus_bias);
     RUN_TEST(a_layer_adds_up_all_inputs);
     RUN_TEST(negative_sums_become_zero);
     RUN_TEST(layers_follow_one_another);
     RUN_TEST(quantised_models_are_as_defined);
     RUN_TEST(random_layers_are_as_defined);
-    RUN_TEST(left_and_right_are_alike);
+    RUN_TEST(mirrored_inputs_exchange_rows_and_mirror_rows);
+    RUN_TEST(float_equivariant_networks_are_as_defined);
     RUN_TEST(integers_are_rounded_to_nearest);
     RUN_TEST(integers_are_limited);
+    RUN_TEST(signed_integers_are_rounded_and_limited_alike_on_either_side);
     RUN_TEST(quantised_models_are_near_the_float_one);
     RUN_TEST(the_models_have_their_names);
     RUN_TEST(the_models_are_sound);

@@ -1,4 +1,4 @@
-/* lift/orient.h: turned to the camera, rooted at mid-hip.
+/* lift/orient.h: turned to the image, about the mean.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,7 +7,7 @@
 #include "as_float.h"
 
 static edml_point person[EDML_JOINTS], x[EDML_JOINTS], y[EDML_JOINTS];
-static edml_keypoint in[EDML_JOINTS];
+static edml_image image;
 static float distance[EDML_PAIRS];
 
 static edml_point random_shift(rng *r)
@@ -32,19 +32,34 @@ static float thinness(const edml_point p[EDML_JOINTS])
     return thin / all;
 }
 
-/* Turns and moves the person as MDS would, photographs it, and runs. */
+static void root_at_mean(edml_point p[EDML_JOINTS])
+{
+    edml_point mean = {0, 0, 0};
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        mean.x += p[j].x / EDML_JOINTS;
+        mean.y += p[j].y / EDML_JOINTS;
+        mean.z += p[j].z / EDML_JOINTS;
+    }
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        p[j].x -= mean.x;
+        p[j].y -= mean.y;
+        p[j].z -= mean.z;
+    }
+}
+
+/* Turns and moves the person as MDS would, draws it, and runs. */
 static void turn_and_run(rng *r, uint16_t seen)
 {
-    photograph(in, person);
+    draw_image(&image, person, seen);
     rotate_points(x, random_rotation(r), person);
     const edml_point shift = random_shift(r);
     for (int j = 0; j < EDML_JOINTS; j++) {
         x[j].x += shift.x;
         x[j].y += shift.y;
         x[j].z += shift.z;
-        if (!(seen >> j & 1)) in[j].x = in[j].y = NAN;
+        if (!(seen >> j & 1)) image.at[j].u = image.at[j].v = NAN;
     }
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_orient(x, in, seen));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_orient(x, &image));
 }
 
 /* Worst joint over people from `thin` to twice as thick. */
@@ -54,7 +69,7 @@ static float worst_over_people(void (*make)(rng *), float thin, uint16_t seen, i
     float worst = 0;
     for (int n = 0; n < count;) {
         make(&r);
-        root_at_mid_hip(person);
+        root_at_mean(person);
         if (thinness(person) < thin || thinness(person) > 2 * thin) continue;
         n++;
         turn_and_run(&r, seen);
@@ -98,7 +113,7 @@ static void points_spread_evenly_come_back_to_rounding(void)
     static const edml_point axes[] = {{.7F, 0, 0},  {-.7F, 0, 0}, {0, .7F, 0},
                                       {0, -.7F, 0}, {0, 0, .7F},  {0, 0, -.7F}};
     memcpy(person + 8, axes, sizeof axes);
-    root_at_mid_hip(person);
+    root_at_mean(person);
     for (int n = 0; n < 50; n++) {
         turn_and_run(&r, ALL_SEEN);
         TEST_ASSERT_ERROR_UP_TO(ORIENT_EVEN_TOLERANCE, worst_joint_error(x, person));
@@ -116,7 +131,7 @@ static void four_joints_are_enough_for_a_proper_rotation(void)
 {
     rng r = rng_seed(53);
     human_pose(person);
-    root_at_mid_hip(person);
+    root_at_mean(person);
     pair_distances(distance, person);
     turn_and_run(&r, 1 << EDML_HEAD | 1 << EDML_R_ELBOW | 1 << EDML_L_WRIST | 1 << EDML_R_ANKLE);
     TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_distance_error(x, distance));
@@ -125,15 +140,15 @@ static void four_joints_are_enough_for_a_proper_rotation(void)
 
 /* ---- What must hold for every input -------------------------------------------------------------- */
 
-static void mid_hip_is_the_origin(void)
+static void the_mean_is_the_origin(void)
 {
     rng r = rng_seed(54);
     for (int n = 0; n < 50; n++) {
         random_human(&r, person);
         turn_and_run(&r, ALL_SEEN);
-        TEST_ASSERT_ERROR_UP_TO(ROUNDING, x[EDML_R_HIP].x + x[EDML_L_HIP].x);
-        TEST_ASSERT_ERROR_UP_TO(ROUNDING, x[EDML_R_HIP].y + x[EDML_L_HIP].y);
-        TEST_ASSERT_ERROR_UP_TO(ROUNDING, x[EDML_R_HIP].z + x[EDML_L_HIP].z);
+        memcpy(y, x, sizeof y);
+        root_at_mean(y);
+        TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_joint_error(x, y));
     }
 }
 
@@ -145,12 +160,12 @@ static void it_is_a_rotation_whatever_the_image(void)
         random_human(&r, person);
         pair_distances(distance, person);
         memcpy(x, person, sizeof x);
+        draw_image(&image, person, ALL_SEEN);
         for (int j = 0; j < EDML_JOINTS; j++) {
-            in[j].x = uniform(&r, 0, 1000);
-            in[j].y = uniform(&r, 0, 1000);
-            in[j].c = 1;
+            image.at[j].u = uniform(&r, -3.5F, 3.5F);
+            image.at[j].v = uniform(&r, -1, 1);
         }
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_orient(x, in, ALL_SEEN));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_orient(x, &image));
         TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_distance_error(x, distance));
         TEST_ASSERT_TRUE(same_handedness(x, person));
     }
@@ -173,15 +188,15 @@ static void size_and_place_of_the_image_do_not_matter(void)
     rng r = rng_seed(57);
     for (int n = 0; n < 100; n++) {
         random_human(&r, person);
-        photograph(in, person);
+        draw_image(&image, person, ALL_SEEN);
         rotate_points(x, random_rotation(&r), person);
         memcpy(y, x, sizeof y);
-        edml_orient(x, in, ALL_SEEN);
+        edml_orient(x, &image);
         for (int j = 0; j < EDML_JOINTS; j++) {
-            in[j].x = 0.37F * in[j].x - 100;
-            in[j].y = 0.37F * in[j].y + 20;
+            image.at[j].u = 0.77F * image.at[j].u - 1;
+            image.at[j].v = 0.77F * image.at[j].v + 0.5F;
         }
-        edml_orient(y, in, ALL_SEEN);
+        edml_orient(y, &image);
         TEST_ASSERT_ERROR_UP_TO(ORIENT_FRAME_TOLERANCE, worst_joint_error(x, y));
     }
 }
@@ -193,22 +208,37 @@ static void turning_the_image_turns_the_pose(void)
     turn_and_run(&r, ALL_SEEN);
     memcpy(y, x, sizeof y);
     for (int j = 0; j < EDML_JOINTS; j++) { /* a quarter turn: x to y, y to -x */
-        const float was = in[j].x;
-        in[j].x = -in[j].y;
-        in[j].y = was;
+        const float was = image.at[j].u;
+        image.at[j].u = -image.at[j].v;
+        image.at[j].v = was;
         const edml_point turned = {-y[j].y, y[j].x, y[j].z};
         y[j] = turned;
     }
-    edml_orient(x, in, ALL_SEEN);
+    edml_orient(x, &image);
     TEST_ASSERT_ERROR_UP_TO(ORIENT_FRAME_TOLERANCE, worst_joint_error(x, y));
+}
+
+/* The points come in the image's axes, whichever way it was turned from the camera's. */
+static void where_down_was_does_not_matter(void)
+{
+    rng r = rng_seed(61);
+    random_human(&r, person);
+    draw_image(&image, person, ALL_SEEN);
+    memcpy(x, person, sizeof x);
+    memcpy(y, person, sizeof y);
+    edml_orient(x, &image);
+    image.down.u = image.down.v = 0.6F;
+    edml_orient(y, &image);
+    TEST_ASSERT_EQUAL_MEMORY(x, y, sizeof x);
 }
 
 /* ---- Where there is no answer -------------------------------------------------------------------- */
 
 static void check_refused(uint16_t seen)
 {
+    image.seen = seen;
     memcpy(y, x, sizeof y);
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_orient(x, in, seen));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_orient(x, &image));
     TEST_ASSERT_EQUAL_MEMORY(y, x, sizeof y);
 }
 
@@ -218,9 +248,9 @@ static void a_collinear_image_is_refused(void)
     for (int n = 0; n < 100; n++) {
         random_human(&r, person);
         memcpy(x, person, sizeof x);
-        photograph(in, person);
+        draw_image(&image, person, ALL_SEEN);
         const float slope = n % 3 == 0 ? 0 : uniform(&r, -3, 3);
-        for (int j = 0; j < EDML_JOINTS; j++) in[j].x = slope * in[j].y;
+        for (int j = 0; j < EDML_JOINTS; j++) image.at[j].u = slope * image.at[j].v;
         check_refused(ALL_SEEN);
     }
 }
@@ -228,19 +258,19 @@ static void a_collinear_image_is_refused(void)
 static void an_image_without_height_or_extent_is_refused(void)
 {
     human_pose(x);
-    photograph(in, x);
-    for (int j = 0; j < EDML_JOINTS; j++) in[j].y = 100;
+    draw_image(&image, x, ALL_SEEN);
+    for (int j = 0; j < EDML_JOINTS; j++) image.at[j].v = 0.5F;
     check_refused(ALL_SEEN);
-    for (int j = 0; j < EDML_JOINTS; j++) in[j].x = 7;
+    for (int j = 0; j < EDML_JOINTS; j++) image.at[j].u = -1;
     check_refused(ALL_SEEN);
-    for (int j = 0; j < EDML_JOINTS; j++) in[j].x = in[j].y = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) image.at[j].u = image.at[j].v = 0;
     check_refused(ALL_SEEN);
 }
 
 static void equal_points_and_no_joints_are_refused(void)
 {
     human_pose(x);
-    photograph(in, x);
+    draw_image(&image, x, ALL_SEEN);
     check_refused(0);
     check_refused((uint16_t)~ALL_SEEN);
     equal_points(x, 1, 2, 3);
@@ -250,10 +280,11 @@ static void equal_points_and_no_joints_are_refused(void)
 static void bits_beyond_the_joints_do_not_count(void)
 {
     human_pose(x);
-    photograph(in, x);
+    draw_image(&image, x, ALL_SEEN);
     memcpy(y, x, sizeof y);
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_orient(x, in, ALL_SEEN));
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_orient(y, in, 0xFFFF));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_orient(x, &image));
+    image.seen = 0xFFFF;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_orient(y, &image));
     TEST_ASSERT_EQUAL_MEMORY(x, y, sizeof x);
 }
 
@@ -262,11 +293,11 @@ static void points_in_a_plane_keep_their_shape_those_on_a_line_are_refused(void)
 {
     rng r = rng_seed(60);
     human_pose(person);
-    photograph(in, person);
+    draw_image(&image, person, ALL_SEEN);
     for (int j = 0; j < EDML_JOINTS; j++) person[j].z = 0;
     pair_distances(distance, person);
     rotate_points(x, random_rotation(&r), person);
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_orient(x, in, ALL_SEEN));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_orient(x, &image));
     TEST_ASSERT_ERROR_UP_TO(ROUNDING, worst_distance_error(x, distance));
     for (int j = 0; j < EDML_JOINTS; j++) person[j].x = 0;
     rotate_points(x, random_rotation(&r), person);
@@ -281,11 +312,12 @@ int main(void)
     RUN_TEST(points_spread_evenly_come_back_to_rounding);
     RUN_TEST(joints_that_were_not_seen_come_along);
     RUN_TEST(four_joints_are_enough_for_a_proper_rotation);
-    RUN_TEST(mid_hip_is_the_origin);
+    RUN_TEST(the_mean_is_the_origin);
     RUN_TEST(it_is_a_rotation_whatever_the_image);
     RUN_TEST(the_frame_of_the_points_does_not_matter);
     RUN_TEST(size_and_place_of_the_image_do_not_matter);
     RUN_TEST(turning_the_image_turns_the_pose);
+    RUN_TEST(where_down_was_does_not_matter);
     RUN_TEST(a_collinear_image_is_refused);
     RUN_TEST(an_image_without_height_or_extent_is_refused);
     RUN_TEST(equal_points_and_no_joints_are_refused);

@@ -1,9 +1,9 @@
 """Writes vectors.h: hard cases and what tools/model/reference.py, in double, makes of them.
 
-    make_vectors.py [--weights gen/fconn.npz] [--out tests/vectors/vectors.h]
+    make_vectors.py [--gen gen] [--out tests/vectors/vectors.h]
 
-Run it after every change of the network.  The manifest is the .json beside the weights.  Inputs
-are short decimals that C and NumPy round to the same float32.
+Run it after every change of the networks.  Inputs are short decimals that C and NumPy round to the
+same float32.
 """
 
 import argparse
@@ -21,7 +21,8 @@ from model import reference  # noqa: E402
 SEED = 14
 STEPS = 10
 OBJECTIVES = ("square", "raw", "eq2")
-LIFTS, EIGENS, SHAPES = 12, 8, 12
+MODELS = ("distances", "direct", "fconn")
+LIFTS, EIGENS, SHAPES = 8, 8, 12  # lifts: of each model
 
 # Stands, faces the camera; metres, y down, z away from the camera.
 STANDING = np.array(
@@ -57,10 +58,13 @@ def person(rng: np.random.RandomState) -> np.ndarray:
 
 
 def keypoints(rng: np.random.RandomState) -> np.ndarray:
-    """[14,3]: a person seen from anywhere around, with noise, up to four joints missing."""
+    """[14,3]: a person seen from anywhere around by a camera that is rolled, with noise, up to four
+    joints missing."""
     angle = rng.uniform(0, 2 * np.pi)
     points = person(rng)
     image = np.stack([points[:, 0] * np.cos(angle) + points[:, 2] * np.sin(angle), points[:, 1]], 1)
+    roll = rng.choice([0.0, rng.normal(0, 0.3), rng.uniform(0, 2 * np.pi)])
+    image = reference.turned(image, np.array([np.sin(roll), np.cos(roll)]))
     image = 500 + 200 * image + rng.normal(0, 4, image.shape)
     confidence = np.ones(14)
     confidence[rng.permutation(14)[: rng.randint(5)]] = 0
@@ -87,19 +91,37 @@ def steady(distance: np.ndarray) -> bool:
     return True
 
 
+def steady_lift(said: reference.Prediction, image: reference.Image, model: reference.Model) -> bool:
+    """Rounding decides nothing: no axes, no mirror image."""
+    if said.distance is None:
+        return True
+    if not (well_posed(said.distance) and steady(said.distance)):
+        return False
+    points = reference.mds(said.distance)
+    if said.points is None:
+        return reference.mirror(reference.orient(points, image), model.mirror)[1] > 0.5
+    values = np.linalg.svd(points.T @ said.points, compute_uv=False)
+    return values[2] > 0.01 * values[0]
+
+
 def lift_case(rng: np.random.RandomState, model: reference.Model) -> dict[str, np.ndarray]:
     """Input and the result of every stage; drawn anew until rounding cannot decide anything."""
     while True:
         pose = keypoints(rng)
+        up = rng.choice([0, 1]) * as_float32(rng.normal([0, -1, 0], 0.4), 2)  # 0: not known
         try:
-            points, margin, residual = reference.lift(model, pose)
+            image = reference.body_frame(pose, model.fewest_joints, model.imputation)
+            points, misfit = reference.lift(model, pose, up if up.any() else None)
         except reference.Refused:
             continue
-        edm = reference.edm(pose, model.fewest_joints, model.max_aspect, model.imputation)
-        net = reference.net(model.layers, edm)
-        if margin > 0.5 and well_posed(net) and steady(net):
-            numbers = {"margin": margin, "residual": residual}
-            return {"in": pose, "edm": edm, "net": net, "pose": points} | numbers
+        said = reference.predict(model, image, up if up.any() else None)
+        if not steady_lift(said, image, model):
+            continue
+        distance = np.zeros(91) if said.distance is None else said.distance
+        own_points = np.zeros((14, 3)) if said.points is None else said.points
+        frame = {"in": pose, "up": up, "at": image.at, "down": image.down}
+        given = {"distance": distance, "points": own_points, "share": said.share}
+        return frame | given | {"pose": points, "misfit": misfit}
 
 
 def matrix(rng: np.random.RandomState, kind: int) -> np.ndarray:
@@ -135,7 +157,7 @@ def shape_case(rng: np.random.RandomState, distance: np.ndarray) -> dict[str, np
 
 def shape_cases(rng: np.random.RandomState, lifts: list[dict]) -> list[dict[str, np.ndarray]]:
     """Distances as the network gives them, then a person's with more and more noise."""
-    cases = [shape_case(rng, lift["net"]) for lift in lifts[: SHAPES // 2]]
+    cases = [shape_case(rng, lift["distance"]) for lift in lifts[: SHAPES // 2]]
     noise = [0.0, 0.01, 0.03, 0.05, 0.1, 0.3]
     while len(cases) < SHAPES:
         spread = noise[len(cases) - SHAPES // 2]
@@ -157,6 +179,8 @@ def initialiser(values: np.ndarray) -> str:
     """The numbers of one member in braces, ten a line."""
     if np.ndim(values) == 0:
         return number(float(values))
+    if not np.any(values):
+        return "{" * np.ndim(values) + "0" + "}" * np.ndim(values)
     if np.ndim(values) == 2:
         return "{" + ",\n".join(initialiser(row) for row in values) + "}"
     texts = [number(value) for value in values]
@@ -164,19 +188,23 @@ def initialiser(values: np.ndarray) -> str:
     return "{" + ",\n".join(lines) + "}"
 
 
-def table(name: str, cases: list[dict[str, np.ndarray]]) -> str:
+def table(kind: str, name: str, cases: list[dict[str, np.ndarray]]) -> str:
     rows = [",\n".join(initialiser(value) for value in case.values()) for case in cases]
     body = "".join(f"{{{row}}},\n" for row in rows)
-    return f"static const {name} {name}s[] = {{\n{body}}};\n"
+    return f"static const {kind} {name}[] = {{\n{body}}};\n"
 
 
 HEAD = f"""\
 /* Hard cases and their results in double.  Do not edit.
- * Generated by tests/vectors/make_vectors.py from gen/fconn.npz and tools/model/reference.py
+ * Generated by tests/vectors/make_vectors.py from tools/model/reference.py and from distances.npz,
+ * direct.npz and fconn.npz in gen/
  */
 
 typedef struct {{
-    double in[14][3], edm[91], net[91], pose[14][3], margin, residual;
+    double in[14][3], up[3];                  /* up: 0 if it is not known */
+    double at[14][2], down[2];                /* in the body's frame */
+    double distance[91], x[14][3], share[14]; /* what the network gives; 0: nothing */
+    double pose[14][3], misfit;
 }} lift_vector;
 
 typedef struct {{
@@ -191,22 +219,26 @@ enum {{ LIFTS = {LIFTS}, EIGENS = {EIGENS}, SHAPES = {SHAPES}, VECTOR_STEPS = {S
 """
 
 
-def vectors(weights: Path) -> str:
+def vectors(gen: Path) -> str:
     """The text of vectors.h."""
     rng = np.random.RandomState(SEED)  # its stream is frozen
-    model = reference.read_model(weights)
-    lifts = [lift_case(rng, model) for _ in range(LIFTS)]
+    lifts = {}
+    for name in MODELS:
+        model = reference.read_model(gen / f"{name}.npz")
+        lifts[name] = [lift_case(rng, model) for _ in range(LIFTS)]
     eigens = [eigen_case(rng, n % 4) for n in range(EIGENS)]
-    parts = {"lift_vector": lifts, "eigen_vector": eigens, "shape_vector": shape_cases(rng, lifts)}
-    return "\n".join([HEAD, *(table(name, cases) for name, cases in parts.items())])
+    tables = [("lift_vector", f"{name}_lifts", cases) for name, cases in lifts.items()]
+    tables.append(("eigen_vector", "eigen_vectors", eigens))
+    tables.append(("shape_vector", "shape_vectors", shape_cases(rng, lifts["distances"])))
+    return "\n".join([HEAD, *(table(*parts) for parts in tables)])
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Writes the golden vectors of the C tests.")
-    parser.add_argument("--weights", type=Path, default=ROOT / "gen" / "fconn.npz")
+    parser.add_argument("--gen", type=Path, default=ROOT / "gen", help="folder of the weights")
     parser.add_argument("--out", type=Path, default=ROOT / "tests" / "vectors" / "vectors.h")
     arguments = parser.parse_args()
-    arguments.out.write_text(vectors(arguments.weights), "utf-8")
+    arguments.out.write_text(vectors(arguments.gen), "utf-8")
 
 
 if __name__ == "__main__":

@@ -22,7 +22,8 @@ int main(int argc, char **argv)
     const long count = argc > 1 ? strtol(argv[1], NULL, 10) : 0;
     for (long n = 0; n < count; n++) {
         make_pose((int)(n % POSES));
-        for (int s = 0; s < STAGES; s++) stages[s].run();
+        for (int s = 0; s < STAGES; s++)
+            if (has_stage(s)) stages[s].run();
     }
     if (count > 0) return 0;
 

@@ -11,7 +11,7 @@
 #include "network/model.h"
 
 #ifndef MODEL
-#define MODEL edml_fconn_f32
+#define MODEL edml_distances_f32
 #endif
 
 #if defined(FCONV) && defined(FIXED)
@@ -28,4 +28,4 @@ static edml_keypoint in[EDML_JOINTS];
 static edml_pose out;
 static work_memory work;
 
-STAGE stage_lift(void) { edml_lift(&out, in, &MODEL, &work, sizeof work); }
+STAGE stage_lift(void) { edml_lift(&out, in, NULL, &MODEL, &work, sizeof work); }

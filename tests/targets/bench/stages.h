@@ -4,6 +4,11 @@
  */
 #include "lift.h"
 
+/* What the network reads is no public stage: its text, under another name than the library's. */
+#undef edml_edm
+#define edml_edm bench_edm
+#include "lift/inputs.h"
+
 #ifdef FCONV
 enum { POSES = 4, STEPS = 10 }; /* its work hardly depends on the pose */
 #else
@@ -11,7 +16,8 @@ enum { POSES = 64, STEPS = 10 };
 #endif
 
 static edml_keypoint partly[EDML_JOINTS]; /* `in` without knees and ankles */
-static real edm[EDML_PAIRS], distance[EDML_PAIRS];
+static edml_image image;
+static edml_prediction said;
 static point x[EDML_JOINTS];
 static edml_placement placed;
 
@@ -39,19 +45,29 @@ static void make_pose(int i)
     partly[EDML_R_KNEE] = partly[EDML_R_ANKLE] = partly[EDML_L_KNEE] = partly[EDML_L_ANKLE] = unseen;
 }
 
-static void edm_of(const edml_keypoint joints[EDML_JOINTS])
-{
-    edml_edm(edm, joints, 10, PARAM(MODEL.max_aspect), MODEL.imputation);
-}
+static edml_work *lift_work(void) { return (edml_work *)&work; }
 
-STAGE stage_impute(void) { edm_of(partly); }
-STAGE stage_edm(void) { edm_of(in); }
-STAGE stage_predict(void) { edml_predict(distance, edm, &MODEL, &work, sizeof work); }
-STAGE stage_mds(void) { edml_mds(x, distance, (edml_work *)&work); }
-STAGE stage_refine(void) { edml_refine(x, distance, EDML_STRESS_SQUARE, STEPS, (edml_work *)&work); }
+STAGE stage_impute(void) { edml_body_frame(&image, partly, 10, MODEL.imputation); }
+STAGE stage_frame(void) { edml_body_frame(&image, in, 10, MODEL.imputation); }
+STAGE stage_inputs(void)
+{
+    real *const values = lift_work()->io.values;
+    if (MODEL.reads & EDML_READS_BODY)
+        network_inputs(values, &image, NULL, &MODEL, said.distance);
+    else
+        edml_edm(values, &image);
+}
+STAGE stage_network(void) { RUN_NETWORK(&MODEL, &work); }
+STAGE stage_predict(void) { edml_predict(&said, &image, NULL, &MODEL, &work, sizeof work); }
+STAGE stage_mds(void) { edml_mds(x, said.distance, lift_work()); }
+STAGE stage_refine(void) { edml_refine(x, said.distance, EDML_STRESS_SQUARE, STEPS, lift_work()); }
+STAGE stage_align(void) { edml_align(x, said.x, &MODEL); }
+STAGE stage_orient(void) { edml_orient(x, &image); }
 STAGE stage_mirror(void) { edml_mirror(x, &MODEL); }
-STAGE stage_orient(void) { edml_orient(x, in, 0x3FFF); }
-STAGE stage_fuse(void) { edml_fuse(x, in, 0x3FFF, &MODEL); }
+STAGE stage_fuse(void)
+{
+    edml_fuse(MODEL.gives & EDML_GIVES_DISTANCES ? x : said.x, &image, said.share, &MODEL);
+}
 
 /* What lift.h lifted, before a camera with a focal length of 1145 pixels. */
 STAGE stage_place(void)
@@ -64,15 +80,32 @@ STAGE stage_place(void)
     edml_place(&placed, &out, in, &camera, &work, sizeof work);
 }
 
-/* In the order of the data; the EDM of joints that are partly imputed before that of all.  The shipped
- * models' lift goes without the refinement. */
+/* In the order of the data; the frame of joints that are partly imputed before that of all.  "predict" is
+ * "inputs", "network", and what is made of its outputs.  The shipped models' lift goes without the refinement,
+ * and each without some others, by what it gives: those that are for networks that give all of `given` and none
+ * of `missing`. */
 static const struct {
     const char *name;
     void (*run)(void);
+    int given, missing;
 } stages[] = {
-    {"impute", stage_impute}, {"edm", stage_edm},       {"predict", stage_predict},
-    {"mds", stage_mds},       {"refine", stage_refine}, {"mirror", stage_mirror},
-    {"orient", stage_orient}, {"fuse", stage_fuse},     {"lift", stage_lift},
-    {"place", stage_place},
+    {"impute", stage_impute, 0, 0},
+    {"frame", stage_frame, 0, 0},
+    {"inputs", stage_inputs, 0, 0},
+    {"network", stage_network, 0, 0},
+    {"predict", stage_predict, 0, 0},
+    {"mds", stage_mds, EDML_GIVES_DISTANCES, 0},
+    {"refine", stage_refine, EDML_GIVES_DISTANCES, 0},
+    {"align", stage_align, EDML_GIVES_DISTANCES | EDML_GIVES_POINTS, 0},
+    {"orient", stage_orient, EDML_GIVES_DISTANCES, EDML_GIVES_POINTS},
+    {"mirror", stage_mirror, EDML_GIVES_DISTANCES, EDML_GIVES_POINTS},
+    {"fuse", stage_fuse, 0, 0},
+    {"lift", stage_lift, 0, 0},
+    {"place", stage_place, 0, 0},
 };
 enum { STAGES = (int)(sizeof stages / sizeof stages[0]) };
+
+static int has_stage(int s)
+{
+    return (MODEL.gives & stages[s].given) == stages[s].given && !(MODEL.gives & stages[s].missing);
+}

@@ -1,5 +1,5 @@
 /* Instructions and stack of each stage on an emulated core: the mean and the deepest over the poses.
- * Prints "name instructions stack" a line.
+ * Prints "name instructions stack" a line, with zeros where the model goes without the stage.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -40,6 +40,7 @@ int main(void)
         /* Counted first: a stage that runs a second time, to look at its stack, may find its work
          * done, as the refinement does. */
         for (int s = 0; s < STAGES; s++) {
+            if (!has_stage(s)) continue;
             sum[s] += counts(stages[s].run) - counts(nothing);
             const int stack = stack_bytes(stages[s].run);
             if (stack > deepest[s]) deepest[s] = stack;
