@@ -32,10 +32,10 @@ def need_core(target: targets.Target) -> None:
 
 
 def run_firmware(
-    program: Path, target: targets.Target, folder: Path, library: list[Path] = targets.SOURCES
+    program: Path, target: targets.Target, folder: Path, library: list[Path], *options: str
 ) -> str:
-    """What a program prints on an emulated board."""
+    """What a program, with the library's sources or objects, prints on an emulated board."""
     need_core(target)
     image = folder / f"{program.stem}.elf"
-    targets.build(program, target, "-O2", image, library=library)
+    targets.build(program, target, "-O2", image, *options, library=library)
     return targets.emulate(image, target)

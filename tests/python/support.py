@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples" / "data"
 MOTION = Path(os.environ.get("EDMLIFT_DATA", ROOT.parent / "shared" / "data"))
 TRAIN, TEST = "cmu14_train.npz", "cmu14_test.npz"
+OTHERS_TRAIN, OTHERS_TEST = "labs14_train.npz", "labs14_test.npz"  # of other laboratories
 
 
 def need_library() -> None:
@@ -46,32 +47,50 @@ def read_joints(name: str, numbers: int) -> np.ndarray:
     return rows.reshape(len(rows), 14, numbers)
 
 
+RUN_NETWORK = """\
+void run_network(const edml_model *model, void *values);
+void run_network(const edml_model *model, void *values)
+{
+    static edml_fconv_work work;
+    if (model->predict_f32 != NULL)
+        model->predict_f32(values, values, model, &work.lift.scratch);
+    else
+        model->predict_q(values, values, model, &work.lift.scratch);
+}
+"""
+VALUES = 196  # what a network reads and gives at most
+ROWS = 8  # EDML_ROWS
+
+
 def build_model(header: Path, *options: str) -> Path:
     """A shared library of the C library's sources and the model of a generated header."""
     need("gcc")
     model, shared = header.with_suffix(".c"), header.with_suffix(".so")
-    model.write_text(f'#include "network/kernels.h"\n#include "{header.name}"\n')
+    model.write_text(f'#include "network/kernels.h"\n#include "{header.name}"\n{RUN_NETWORK}')
     sources = [source for source in SOURCES if source.parent.name != "models"]
     flags = ["gcc", *library_flags(), "-O2", "-fPIC", "-shared", *INCLUDES, *options]
     subprocess.run([*flags, model, *sources, "-lm", "-o", shared], check=True)
     return shared
 
 
-def load_model(shared: Path, name: str) -> Callable[[np.ndarray], np.ndarray]:
-    """edml_predict() of a model: EDMs [F,91] -> distances [F,91]; its checksum is checked."""
+def load_network(shared: Path, name: str, rows: int) -> Callable[[np.ndarray], np.ndarray]:
+    """The network of a model, whose checksum is checked: what it reads [F,in] -> [F,out].
+
+    A quantised one reads and gives integers, Q24.  An equivariant one has `rows`, and gives them
+    and then their mirror rows; others give as many values, 91.
+    """
     c = ctypes.CDLL(str(shared))
     model = ctypes.byref(ctypes.c_char.in_dll(c, f"edml_{name}"))
-    c.edml_model_work_bytes.restype = ctypes.c_size_t
     assert c.edml_model_check(model) == 0
-    size = ctypes.c_size_t(c.edml_model_work_bytes(model))
-    work = ctypes.create_string_buffer(size.value)
+    number = np.float32 if name.endswith("f32") else np.int32
+    count = -(-rows // ROWS) * ROWS
+    places = np.arange(rows) if rows == 91 else np.r_[:rows, count : count + rows]
 
-    def predict(edms: np.ndarray) -> np.ndarray:
-        edms = np.ascontiguousarray(edms, np.float32)
-        out = np.zeros_like(edms)
-        for edm, distance in zip(edms, out, strict=True):
-            arrays = (ctypes.c_void_p(array.ctypes.data) for array in (distance, edm))
-            assert c.edml_predict(*arrays, model, work, size) == 0
-        return out
+    def run(inputs: np.ndarray) -> np.ndarray:
+        values = np.zeros((len(inputs), VALUES), number)
+        values[:, : inputs.shape[1]] = inputs
+        for row in values:
+            c.run_network(model, ctypes.c_void_p(row.ctypes.data))
+        return values[:, places]
 
-    return predict
+    return run

@@ -86,7 +86,10 @@ def test_the_public_headers_are_installed_and_no_others(installed: Path) -> None
 def test_in_another_cmake_project(way: str, tmp_path: Path) -> None:
     need("g++")
     build_and_run(
-        tmp_path, f"-DWAY={way}", f"-DEDMLIFT_SOURCE={ROOT}", "-DEDMLIFT_MODELS=fconn_f32;fconn_w8"
+        tmp_path,
+        f"-DWAY={way}",
+        f"-DEDMLIFT_SOURCE={ROOT}",
+        "-DEDMLIFT_MODELS=distances_f32;direct_w8",
     )
     run("cmake", "--install", tmp_path, "--prefix", tmp_path / "prefix")
     assert not (tmp_path / "prefix").exists()  # it is the other project's affair

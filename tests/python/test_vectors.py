@@ -1,4 +1,4 @@
-"""tests/vectors/vectors.h is what make_vectors.py makes of the network in gen/ today."""
+"""tests/vectors/vectors.h is what make_vectors.py makes of the networks in gen/ today."""
 
 import re
 import sys
@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "tests" / "vectors"
-WEIGHTS = ROOT / "gen" / "fconn.npz"
+GEN = ROOT / "gen"
 sys.path.insert(0, str(FOLDER))
 
 import make_vectors  # noqa: E402
@@ -19,9 +19,10 @@ NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?!\w)")
 
 @pytest.fixture(scope="module")
 def made() -> str:
-    if not WEIGHTS.exists():
-        pytest.skip("gen/fconn.npz is not there yet")
-    return make_vectors.vectors(WEIGHTS)
+    for name in make_vectors.MODELS:
+        if not (GEN / f"{name}.npz").exists():
+            pytest.skip(f"gen/{name}.npz is not there yet")
+    return make_vectors.vectors(GEN)
 
 
 def test_the_vectors_are_up_to_date(made: str) -> None:
@@ -36,4 +37,4 @@ def test_the_vectors_are_up_to_date(made: str) -> None:
 
 
 def test_making_them_twice_gives_the_same_bytes(made: str) -> None:
-    assert made == make_vectors.vectors(WEIGHTS)
+    assert made == make_vectors.vectors(GEN)

@@ -317,7 +317,7 @@ class Known:
         self.joints = joints
 
     def lift(self, keypoints):
-        status = np.where(np.isnan(self.joints).any((1, 2)), "aspect", "ok")
+        status = np.where(np.isnan(self.joints).any((1, 2)), "degenerate", "ok")
         return Poses.of(self.joints, status=status)
 
 
@@ -391,7 +391,8 @@ def test_training_uses_the_training_people(files, tmp_path):
     done = command(*options_of(files), "--train", "--epochs", 1, "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     manifest = json.loads((tmp_path / "trained.json").read_text())
-    assert manifest["data"]["subjects"] == ([1, 5, 6, 7, 8, 9] if files[0] == "h36m" else [1, 2, 3])
+    (motion,) = manifest["data"]["files"]
+    assert motion["subjects"] == ([1, 5, 6, 7, 8, 9] if files[0] == "h36m" else [1, 2, 3])
     assert float(rows_of(done.stdout)["gt"][-1]) > 0
     untrained = command(*options_of(files), "--out", tmp_path / "shipped")
     assert rows_of(untrained.stdout)["gt"] != rows_of(done.stdout)["gt"]

@@ -27,11 +27,10 @@ LIB = ROOT / "lib"
 SHAPE = (91, 128, 128, 91)
 MANIFEST = {
     "fewest_joints": 10,
-    "max_aspect": 6.5,
     "objective": "none",
     "refine_steps": 0,
     "mirror": [0.5, -1.25, 0.1, 2, 0],
-    "fusion": {"weight": 0.75, "misfit": 0.5, "distance": 4},
+    "fusion": {"share": 0.75, "misfit": 0.5, "distance": 4},
     "recipe": {"name": "mds", "seed": 7},
     "data": {"frames": 1000},
     "metrics": {"gt": 45.25, "n10": 60},
@@ -498,17 +497,20 @@ def test_model(header: Path) -> None:
         "    3, /* layers */",
         "    EDML_READS_DISTANCES,",
         "    EDML_GIVES_DISTANCES,",
+        "    91, /* inputs */",
+        "    0, /* even ones */",
+        "    91, /* outputs */",
         "    10, /* fewest joints */",
         "    sizeof(edml_work),",
         "    0,",
-        f"    {{0x1.ap2F, {13 << 23}}}, /* max_aspect: 6.5 */",
         "    NULL,",
         "    EDML_STRESS_NONE,",
         "    0, /* refinement steps */",
         f"    {{{{0x1p-1F, {1 << 23}}}, {{-0x1.4p0F, {-5 << 22}}}, {{0x1.99999ap-4F, 1677722}}, "
         f"{{0x1p1F, {2 << 24}}}, {{0, 0}}}}, /* mirror */",
-        f"    {{{{0x1.8p-3F, {3 << 20}}}, {{0x1p-2F, {1 << 22}}}, {{0x1p-2F, {1 << 22}}}}}, "
-        "/* fusion: weight 0.75, misfit 0.5 m, distance 4 m */",
+        f"    {{{{0x1.8p-1F, {3 << 22}}}, {{0x1p-2F, {1 << 22}}}, {{0x1p-2F, {1 << 22}}}}}, "
+        "/* fusion: share 0.75, misfit 0.5 m, distance 4 m */",
+        "    {0, 0}, /* scaled share: 0 */",
         "};",
     ]
 
@@ -561,7 +563,7 @@ COMPILERS = {
 def test_compiles(tmp_path: Path, net: Net, compiler: str, name: str) -> None:
     save_npz(tmp_path / "net.npz", net)
     awkward = {"metrics": {"a */ b /* c": 1.5}, "recipe": {"name": "??/\n\\", "seed": "é"}}
-    awkward |= {"objective": "eq2", "refine_steps": 255, "max_aspect": 0.1}
+    awkward |= {"objective": "eq2", "refine_steps": 255}
     status, header = export(tmp_path, tmp_path / "net.npz", MANIFEST | awkward, name)
     assert status == 0
     result = compile_header(*COMPILERS[compiler][:1], COMPILERS[compiler][1:], header)
@@ -620,10 +622,11 @@ NETWORK_C = """\
 
 int main(void)
 {
+    static edml_work work;
+    const edml_model *model = &edml_fconn_f32;
     float x[EDML_PAIRS], y[EDML_PAIRS];
-    edml_work work;
-    if (edml_model_check(&edml_fconn_f32) != EDML_OK || fread(x, sizeof x, 1, stdin) != 1) return 1;
-    if (edml_predict(y, x, &edml_fconn_f32, &work, sizeof work) != EDML_OK) return 1;
+    if (edml_model_check(model) != EDML_OK || fread(x, sizeof x, 1, stdin) != 1) return 1;
+    model->predict_f32(y, x, model, &work.scratch);
     return fwrite(y, sizeof y, 1, stdout) != 1;
 }
 """
@@ -635,7 +638,7 @@ def test_the_library_computes_the_network(tmp_path: Path) -> None:
     save_npz(tmp_path / "net.npz", net)
     export(tmp_path, tmp_path / "net.npz")
     (tmp_path / "main.c").write_text(NETWORK_C)
-    parts = [LIB / "network" / f"{name}.c" for name in ("fconn_f32", "predict_f32", "model")]
+    parts = [LIB / "network" / f"{name}.c" for name in ("fconn_f32", "model")]
     sources = [tmp_path / "main.c", *parts]
     paths = [f"-I{ROOT / 'lib'}", f"-I{ROOT / 'include'}", "-o", str(tmp_path / "main")]
     subprocess.run(["gcc", "-std=c99", "-O2", *map(str, sources), *paths], check=True)
@@ -667,7 +670,7 @@ def test_other_format_does_not_compile(tmp_path: Path, header: Path) -> None:
 @pytest.mark.parametrize(
     ("shape", "message"),
     [
-        ((90, 128, 91), "layer 0 takes 90 values, the pose has 91"),
+        ((90, 128, 91), "layer 0 takes 90 values, the image gives 91"),
         ((91, 128, 90), "the last layer gives 90 values, not 91"),
         ((91, 193, 91), "layer 0 is 193 wide, at most 192 fit"),
     ],
@@ -865,11 +868,6 @@ def test_mat_without_a_network(tmp_path: Path, capsys) -> None:
         ({"fewest_joints": True}, "fewest_joints must be 4 to 14"),
         ({"missing": "guess"}, "missing must be one of zero, imputed"),
         ({"missing": "imputed", "fewest_joints": 4}, "fewest_joints must be 5 or more"),
-        ({"max_aspect": 0}, "max_aspect must be over 0 and below 128"),
-        ({"max_aspect": 128}, "max_aspect must be over 0 and below 128"),
-        ({"max_aspect": float("nan")}, "max_aspect must be over 0"),
-        ({"max_aspect": 1e-60}, "max_aspect must be over 0"),
-        ({"max_aspect": "6"}, "max_aspect must be over 0"),
         ({"objective": "stress"}, "objective must be one of none, square, raw, eq2"),
         ({"refine_steps": 256}, "refine_steps must be 0 to 255"),
         ({"mirror": [1, 2, 3, 4]}, "mirror must be five numbers"),
@@ -877,13 +875,16 @@ def test_mat_without_a_network(tmp_path: Path, capsys) -> None:
         ({"mirror": [1, 2, 3, 4, -128]}, "mirror must be five numbers between -128 and 128"),
         (
             {"fusion": [0.5, 0.1, 4]},
-            "fusion must be weight 0 to 1, misfit 0.01 to 1 and distance 3",
+            "fusion must be share 0 to 1, misfit 0.01 to 1 and distance 3",
         ),
-        ({"fusion": {"weight": 0.5, "misfit": 0.1}}, "fusion must be"),
-        ({"fusion": {"weight": 1.1, "misfit": 0.1, "distance": 4}}, "fusion must be"),
-        ({"fusion": {"weight": 0.5, "misfit": 0.001, "distance": 4}}, "fusion must be"),
-        ({"fusion": {"weight": 0.5, "misfit": 0.1, "distance": 2.9}}, "fusion must be"),
-        ({"fusion": {"weight": float("nan"), "misfit": 0.1, "distance": 4}}, "fusion must be"),
+        ({"fusion": {"share": 0.5, "misfit": 0.1}}, "fusion must be"),
+        ({"fusion": {"share": 1.1, "misfit": 0.1, "distance": 4}}, "fusion must be"),
+        ({"fusion": {"share": 0.5, "misfit": 0.001, "distance": 4}}, "fusion must be"),
+        ({"fusion": {"share": 0.5, "misfit": 0.1, "distance": 2.9}}, "fusion must be"),
+        ({"fusion": {"share": float("nan"), "misfit": 0.1, "distance": 4}}, "fusion must be"),
+        ({"fusion": {"weight": 0.5, "misfit": 0.1, "distance": 4}}, "fusion must be"),
+        ({"scaled_share": 1.5}, "scaled_share must be 0 to 1"),
+        ({"scaled_share": None}, "scaled_share must be 0 to 1"),
         ({"metrics": {"gt": "45"}}, "metrics must be numbers by column"),
         ({"metrics_w8": {"gt": None}}, "metrics_w8 must be numbers by column"),
         ({"calibration": []}, "calibration must be an object"),
@@ -897,7 +898,7 @@ def test_setting(tmp_path: Path, capsys, net: Net, change: dict, message: str) -
 
 def test_incomplete_manifest(tmp_path: Path, capsys, net: Net) -> None:
     save_npz(tmp_path / "net.npz", net)
-    line = refused(tmp_path, capsys, tmp_path / "net.npz", {"max_aspect": 6.5, "mirror": [0] * 5})
+    line = refused(tmp_path, capsys, tmp_path / "net.npz", {"mirror": [0] * 5})
     assert "settings.json lacks fewest_joints, objective, refine_steps\n" in line
 
 
@@ -911,7 +912,7 @@ def test_unreadable_manifest(tmp_path: Path, capsys, net: Net, text: str | None)
     assert "manifest net.json" in line
     assert line.count("\n") == 1
     if text is None:
-        assert "write one with fewest_joints, max_aspect, objective, refine_steps, mirror" in line
+        assert "write one with fewest_joints, objective, refine_steps, mirror" in line
     assert not (tmp_path / "out.h").exists()
 
 

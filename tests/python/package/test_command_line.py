@@ -81,7 +81,7 @@ def test_json_lines_keep_their_members(tmp_path: Path, capsys: pytest.CaptureFix
     first, second = map(json.loads, capsys.readouterr().out.splitlines())
     assert first["t"] == 1.5 and first["name"] == "ä" and first["status"] == "ok"
     assert np.shape(first["joints"]) == (14, 3)
-    assert second == {"status": "bad_line", "joints": None, "mirror_margin": None, "residual": None}
+    assert second == {"status": "bad_line", "joints": None, "misfit": None}
 
 
 def test_json_lines_of_any_name(tmp_path: Path, capsys: pytest.CaptureFixture):
@@ -112,11 +112,12 @@ def test_what_lift_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture):
     (tmp_path / "in.jsonl").write_text("")
     for message, *options in [
         ("there are coco17", WALK_CSV, "--format", "coco"),
-        ("there are fconn_f32", WALK_CSV, "--model", "fconn"),
-        ("does not lift in fixed point", WALK_CSV, "--fixed", "--model", "fconn_f32"),
+        ("there are distances_f32", WALK_CSV, "--model", "fconn"),
+        ("does not lift in fixed point", WALK_CSV, "--fixed", "--model", "direct_f32"),
         ("threshold must be", WALK_CSV, "--threshold", "-1"),
         ("threshold must be", tmp_path / "none.csv", "--threshold", "nan"),
         ("not for JSON", tmp_path / "in.jsonl", "--header"),
+        ("up must be", WALK_CSV, "--up", "0,0,0"),
     ]:
         assert message in fails(capsys, "lift", *options, status=2)
 

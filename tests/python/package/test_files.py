@@ -77,7 +77,7 @@ def test_poses_come_back(name: str, tmp_path: Path):
     edmlift.write_poses(tmp_path / name, poses)
     back = edmlift.read_poses(tmp_path / name)
     assert list(back.status) == list(poses.status)
-    for field in ("joints", "mirror_margin", "residual"):
+    for field in ("joints", "misfit"):
         found, wanted = getattr(back, field), getattr(poses, field)
         np.testing.assert_allclose(found, wanted, rtol=1e-5, atol=1e-6)
         assert found.dtype == np.float32

@@ -9,7 +9,9 @@ from package_support import ROOT, WALK, need_library
 
 from edmlift import _binding
 from edmlift import library as edmlift
+from edmlift.joints import mid_hip
 from edmlift.networks import find_model
+from edmlift.stages import Image
 
 
 @pytest.fixture(scope="module")
@@ -32,10 +34,9 @@ def test_shapes_and_types(library: edmlift.Library):
     poses = library.lift(WALK)
     count = len(WALK)
     assert poses.joints.shape == (count, 14, 3)
-    assert poses.mirror_margin.shape == poses.residual.shape == poses.status.shape == (count,)
-    assert poses.joints.dtype == poses.mirror_margin.dtype == poses.residual.dtype == np.float32
-    assert np.isfinite(poses.joints).all()
-    assert (poses.mirror_margin >= 0).all() and (poses.residual >= 0).all()
+    assert poses.misfit.shape == poses.status.shape == (count,)
+    assert poses.joints.dtype == poses.misfit.dtype == np.float32
+    assert np.isfinite(poses.joints).all() and (poses.misfit >= 0).all()
 
 
 def test_root_is_mid_hip(library: edmlift.Library):
@@ -47,11 +48,7 @@ def test_statuses_and_nan_where_refused(library: edmlift.Library, mixed: np.ndar
     poses = library.lift(mixed)
     assert list(poses.status) == ["ok", "not_finite", "too_few_joints", "ok", "degenerate", "ok"]
     refused = poses.status != "ok"
-    for numbers in (
-        poses.joints.reshape(6, -1),
-        poses.mirror_margin[:, None],
-        poses.residual[:, None],
-    ):
+    for numbers in (poses.joints.reshape(6, -1), poses.misfit[:, None]):
         assert np.isnan(numbers[refused]).all()
         assert np.isfinite(numbers[~refused]).all()
 
@@ -66,7 +63,7 @@ def test_batch_equals_single(library: edmlift.Library, mixed: np.ndarray):
     for i, keypoints in enumerate(mixed):
         single = library.lift(keypoints[None])
         assert single.status[0] == batch.status[i]
-        for field in ("joints", "mirror_margin", "residual"):
+        for field in ("joints", "misfit"):
             np.testing.assert_array_equal(getattr(single, field)[0], getattr(batch, field)[i])
 
 
@@ -88,7 +85,7 @@ def test_input_is_left_alone(library: edmlift.Library, mixed: np.ndarray):
 def test_empty_batch(library: edmlift.Library):
     poses = library.lift(np.zeros((0, 14, 3)))
     assert poses.joints.shape == (0, 14, 3)
-    assert poses.status.shape == poses.mirror_margin.shape == poses.residual.shape == (0,)
+    assert poses.status.shape == poses.misfit.shape == (0,)
 
 
 @pytest.mark.parametrize("shape", [(14, 3), (5, 14, 2), (5, 17, 3), (1, 5, 14, 3), (0,), ()])
@@ -109,7 +106,7 @@ def test_the_environment_names_the_library(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_unknown_model(library: edmlift.Library):
-    with pytest.raises(ValueError, match="'none' is not known; there are fconn_f32, "):
+    with pytest.raises(ValueError, match="'none' is not known; there are distances_f32, "):
         edmlift.Library("none")
 
 
@@ -119,29 +116,75 @@ def test_status_names(library: edmlift.Library):
     assert library.status_name(-99) == "?"
 
 
-def test_the_stages_strung_together_are_the_lift(library: edmlift.Library):
-    # Up to the refinement, whose settings are the model's own.
-    status, edm = library.edm(WALK[0], fewest_joints=10, max_aspect=1e3, impute=False)
-    assert status == "ok"
+UP = (0.1, -1.9, -0.3)
+
+
+def rooted(points: np.ndarray, image: Image) -> np.ndarray:
+    """Points in the body's frame, turned back to the camera's axes, about mid-hip."""
+    sine, cosine = -image.down[0], image.down[1]
+    x, y = points[:, 0].copy(), points[:, 1].copy()
+    turned = np.stack([cosine * x - sine * y, sine * x + cosine * y, points[:, 2]], 1)
+    return turned - mid_hip(turned)
+
+
+@pytest.mark.parametrize("up", [None, UP])
+def test_the_stages_strung_together_are_the_lift(library: edmlift.Library, up):
+    """Of distances."""
+    status, image = library.body_frame(WALK[0], fewest_joints=10, impute=True)
+    assert status == "ok" and image.seen.all() and np.hypot(*image.down) == pytest.approx(1)
+    edm = library.edm(image)
     assert edm.shape == (91,) and (edm >= 0).all()
-    distance = library.predict(edm)
-    points, margin = library.mirror(library.mds(distance))
-    pose = library.orient(points, WALK[0])
-    assert margin >= 0
-    assert np.abs(pose - library.lift(WALK[:1]).joints[0]).max() < 0.1  # metres
+    found = library.predict(image, up)
+    assert ((found.share > 0) & (found.share < 1)).all()
+    scaled = library.mds(found.distance)
+    points = library.align(scaled, found.points)
+    fused, misfit = library.fuse(points, image, found.share)
+    lifted = library.lift(WALK[:1], up)
+    np.testing.assert_allclose(rooted(fused, image), lifted.joints[0], atol=1e-5)
+    assert misfit == pytest.approx(lifted.misfit[0], abs=1e-6)
+    image_of_mirror = library.align(scaled * np.float32([1, 1, -1]), found.points)
+    np.testing.assert_allclose(image_of_mirror, points, atol=1e-5)
+
+
+@pytest.mark.parametrize("up", [None, UP])
+def test_the_stages_of_direct_are_fewer(library: edmlift.Library, up):
+    direct = edmlift.Library("direct_f32")
+    _, image = direct.body_frame(WALK[0], fewest_joints=10, impute=True)
+    found = direct.predict(image, up)
+    assert not found.distance.any()
+    fused, misfit = direct.fuse(found.points, image, found.share)
+    lifted = direct.lift(WALK[:1], up)
+    np.testing.assert_allclose(rooted(fused, image), lifted.joints[0], atol=1e-5)
+    assert misfit == pytest.approx(lifted.misfit[0], abs=1e-5)
+
+
+def test_the_five_weights_of_fconn_choose_a_mirror_image(library: edmlift.Library):
+    fconn = edmlift.Library("fconn_f32")
+    pose = fconn.lift(WALK[:1]).joints[0]
+    for handed in (1, -1):
+        chosen = fconn.mirror(pose * np.float32([1, 1, handed]))
+        np.testing.assert_allclose(chosen, pose, atol=1e-6)
+
+
+def test_a_frame_without_a_person_has_a_status(library: edmlift.Library):
+    keypoints = WALK[0].copy()
+    keypoints[:5, 2] = 0
+    assert library.body_frame(keypoints, 10, impute=True)[0] == "too_few_joints"
+    status, image = library.body_frame(keypoints, 9, impute=False)
+    assert status == "ok" and list(np.flatnonzero(~image.seen)) == [0, 1, 2, 3, 4]
+    assert (image.at[:5] == 0).all() and image.down.tolist() == [0, 1]
 
 
 @pytest.fixture(scope="module")
 def fixed(library: edmlift.Library) -> edmlift.Library:
-    return edmlift.Library("fconn_w16", fixed=True)
+    return edmlift.Library("distances_w16", fixed=True)
 
 
 def test_fixed_point_is_near_float(library: edmlift.Library, fixed: edmlift.Library):
-    plain, whole = edmlift.Library("fconn_w16").lift(WALK), fixed.lift(WALK)
+    plain, whole = edmlift.Library("distances_w16").lift(WALK), fixed.lift(WALK)
     assert (whole.status == "ok").all()
-    assert np.abs(whole.joints - plain.joints).max() < 1e-3  # metres
-    assert np.abs(whole.mirror_margin - plain.mirror_margin).max() < 0.02
-    assert np.abs(whole.residual - plain.residual).max() < 1e-4
+    assert np.abs(whole.joints - plain.joints).max() < 2e-3  # metres
+    assert np.abs(whole.misfit - plain.misfit).max() < 1e-4
     assert whole.joints.dtype == np.float32
 
 
@@ -152,7 +195,7 @@ def test_fixed_point_has_the_same_statuses(fixed: edmlift.Library, mixed: np.nda
 
 
 def test_fixed_point_takes_quantised_models_alone(library: edmlift.Library):
-    for model in ("fconn_f32", "fconv_f32"):
+    for model in ("distances_f32", "direct_f32", "fconn_f32", "fconv_f32"):
         with pytest.raises(ValueError, match="does not lift in fixed point"):
             edmlift.Library(model, fixed=True)
 
@@ -168,8 +211,9 @@ def test_fconv_goes_through_the_same_lift(library: edmlift.Library, mixed: np.nd
     for poses in others:
         assert (poses.status == plain.status).all()
         assert np.nanmean(np.abs(poses.joints - plain.joints)) < 0.05  # metres
-    edm = np.linspace(0.1, 2.5, 91)
-    assert np.abs(lifts[0].predict(edm) - lifts[1].predict(edm)).max() < 0.05
+    _, image = library.body_frame(WALK[0], 10, impute=True)
+    plain, small = (lifts[n].predict(image).distance for n in (0, 1))
+    assert plain.any() and np.abs(plain - small).max() < 0.05
     assert lifts[0].has("fconv_w8") and not lifts[0].has("fconv_w16")
 
 

@@ -4,13 +4,16 @@ import dataclasses
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from builds import need_core
-from support import ROOT, TEST, TRAIN, need_motion
+from support import OTHERS_TEST, OTHERS_TRAIN, ROOT, TEST, TRAIN, need_motion
 
 from data.mocap import load_motion
-from evaluation import accuracy, baselines
+from edmlift.library import Library
+from edmlift.networks import NAMES
+from evaluation import accuracy, angles, baselines, command
 from evaluation import forms as number_forms
 from evaluation.measures import evaluate, rounded
 from experiments import rivals
@@ -20,10 +23,10 @@ from reports.targets import TARGETS, compile_library, run
 
 pytestmark = pytest.mark.xdist_group("claims")  # the fixtures are measured once
 
-ACCURACY, LOG = (ROOT / "docs" / name for name in ("accuracy.md", "accuracy-log.md"))
+ACCURACY, LOG, FCONV = (ROOT / "docs" / f"{n}.md" for n in ("accuracy", "accuracy-log", "fconv"))
 
 
-@pytest.mark.parametrize("model", ["fconn_f32", "fconn_w16", "fconn_w8", "fconv_f32", "fconv_w8"])
+@pytest.mark.parametrize("model", NAMES)
 def test_the_header_is_made_of_the_weights_byte_for_byte(tmp_path, model):
     name, form = model.split("_")
     out = tmp_path / f"{model}.h"
@@ -39,32 +42,115 @@ def people():
 
 
 @pytest.fixture(scope="module")
-def figures(people, library):
-    return rounded(evaluate(library, people))
+def sets():
+    """Both sets of people, by name."""
+    return {Path(name).stem: load_motion(need_motion(name)) for name in (TEST, OTHERS_TEST)}
 
 
 @pytest.fixture(scope="module")
-def forms(people, library):
-    return rounded(number_forms.evaluate_forms("fconn", people))
+def figures(sets, library):
+    """{model: {set: {column: ...}}}."""
+    models = {model: Library(f"{model}_f32") for model in accuracy.MODELS}
+    return {
+        model: {name: rounded(evaluate(lifter, motion)) for name, motion in sets.items()}
+        for model, lifter in models.items()
+    }
+
+
+@pytest.fixture(scope="module")
+def forms(sets, library):
+    """{model: {set: {form: {column: ...}}}}."""
+    return {
+        model: {s: rounded(number_forms.evaluate_forms(model, m)) for s, m in sets.items()}
+        for model in accuracy.MODELS
+    }
 
 
 def test_the_accuracy_is_that_of_the_pages(figures, forms):
-    assert markdown.read(ACCURACY, "accuracy") == accuracy.means_table(figures)
-    assert markdown.read(LOG, "joints") == accuracy.joints_table(figures)
-    assert markdown.read(ACCURACY, "forms") == number_forms.report(figures, forms)
-    manifest = json.loads((ROOT / "gen" / "fconn.json").read_text())
-    assert manifest["metrics"] == accuracy.column_errors(figures)
-    for form in ("w16", "w8"):
-        assert manifest[f"metrics_{form}"] == accuracy.column_errors(forms[form])
+    for model in accuracy.MODELS:
+        tables = accuracy.model_tables(model, figures[model], forms[model])
+        pages = (FCONV,) if model == "fconn" else (ACCURACY, LOG)
+        for name, text in tables.items():
+            shown = [p for p in pages if f"<!-- begin {name} -->" in p.read_text("utf-8")]
+            assert shown or (model == "fconn" and name.startswith("joints")), name
+            assert all(markdown.read(page, name) == text for page in shown)
+        manifest = json.loads((ROOT / "gen" / f"{model}.json").read_text())
+        first, others = (figures[model][Path(name).stem] for name in (TEST, OTHERS_TEST))
+        assert manifest["metrics"] == accuracy.column_errors(first)
+        assert manifest["metrics_others"] == {
+            Path(OTHERS_TEST).stem: accuracy.column_errors(others)
+        }
+        for form in ("w16", "w8"):
+            lost = forms[model][Path(TEST).stem][form]
+            assert manifest[f"metrics_{form}"] == accuracy.column_errors(lost)
 
 
-def test_the_library_beats_the_rivals_of_the_table(people, figures):
-    train = load_motion(need_motion(TRAIN))
-    others = accuracy.evaluate_rivals(train, people)
-    assert markdown.read(LOG, "rivals") == accuracy.rivals_table(figures, others)
-    for column in figures:  # those that need no training; the table tells of the others
-        best = min(others[name][column]["error"] for name in accuracy.RIVALS)
-        assert figures[column]["error"] < best, column
+@pytest.fixture(scope="module")
+def ups(sets, library):
+    return {
+        model: {
+            s: rounded(accuracy.evaluate_up(Library(f"{model}_f32"), m)) for s, m in sets.items()
+        }
+        for model in accuracy.TAKE_UP
+    }
+
+
+def test_what_up_gives_is_that_of_the_page(ups):
+    for model, found in ups.items():
+        text = command.by_set(accuracy.up_table, found)
+        assert markdown.read(ACCURACY, f"up_{model}") == text
+
+
+@pytest.mark.parametrize("model", accuracy.TAKE_UP)
+@pytest.mark.parametrize("name", [TEST, OTHERS_TEST])
+def test_up_helps_and_a_wrong_one_does_little_harm(ups, model, name):
+    """Of exact 2D and a detector's, in the camera's axes."""
+    found = ups[model][Path(name).stem]
+    for column in ("gt", "cpm"):
+        alone, told, wrong = (found[k][column]["camera_axes"] for k in accuracy.TOLD)
+        assert told <= alone - 2 and wrong <= alone + 2, column
+
+
+@pytest.fixture(scope="module")
+def angle_figures(sets, library):
+    return accuracy.angles_by_set(accuracy.MODELS, sets)
+
+
+def test_angles_are_those_of_the_page(angle_figures):
+    assert markdown.read(ACCURACY, "angles") == command.by_set(angles.report, angle_figures)
+
+
+# Degrees.  CMU's people hold an elbow straight in 1 % of the poses, as its training people do.
+BIAS = {(TEST, "straight knees"): 7, (OTHERS_TEST, "straight knees"): 5}
+BIAS |= {(OTHERS_TEST, "straight elbows"): 5}
+
+
+def test_straight_limbs_are_straight(angle_figures):
+    for (name, limb), most in BIAS.items():
+        for model in accuracy.TAKE_UP:
+            views = angle_figures[Path(name).stem][model]
+            assert abs(views["gt"][limb][1]) <= most, (name, limb, model)
+
+
+@pytest.fixture(scope="module")
+def rival_figures(sets):
+    train = [load_motion(need_motion(name)) for name in (TRAIN, OTHERS_TRAIN)]
+    return {name: accuracy.evaluate_rivals(train, motion) for name, motion in sets.items()}
+
+
+def test_the_library_beats_the_rivals_of_the_table(figures, rival_figures):
+    for name, others in rival_figures.items():
+        for model in accuracy.MODELS:
+            mine = figures[model][name]
+            for column in mine:  # those that need no training; the table tells of the others
+                best = min(others[rival][column]["error"] for rival in accuracy.RIVALS)
+                assert mine[column]["error"] < best, column
+    compared = {
+        name: ({m: figures[m][name] for m in accuracy.MODELS}, others)
+        for name, others in rival_figures.items()
+    }
+    text = command.by_set(lambda both: accuracy.rivals_table(*both), compared)
+    assert markdown.read(ACCURACY, "rivals") == text
 
 
 def test_the_trials_are_those_of_the_json():
@@ -75,17 +161,19 @@ def test_the_trials_are_those_of_the_json():
 
 def test_the_trained_rivals_are_of_the_recipes():
     for name, entry in json.loads(baselines.TRAINED.read_text()).get("rivals", {}).items():
-        recipe = rivals.RIVALS[name]
-        assert entry["recipe"] == json.loads(json.dumps(recipe.recorded(0))), name
+        recipe = {"seed": 0} | dataclasses.asdict(rivals.RIVALS[name])
+        assert entry["recipe"] == json.loads(json.dumps(recipe)), name
 
 
 @pytest.mark.parametrize(
-    ("form", "most"), [("w16", 0.2), ("w8", 1.5), ("fixed", 0.2), ("fixed_w8", 1.5)]
+    ("form", "most"), [("w16", 0.2), ("w8", 0.6), ("fixed", 0.2), ("fixed_w8", 0.6)]
 )
-def test_quantised_networks_lose_little_in_any_column(figures, forms, form, most):
-    for name, column in forms[form].items():
-        assert column["error"] <= figures[name]["error"] + most, name
-        assert column["refused"] == 0, name
+@pytest.mark.parametrize("model", accuracy.TAKE_UP)
+def test_quantised_networks_lose_little_in_any_column(figures, forms, model, form, most):
+    for people, found in forms[model].items():
+        for name, column in found[form].items():
+            assert column["error"] <= figures[model][people][name]["error"] + most, name
+            assert column["refused"] == 0, name
 
 
 def test_fconv_in_8_bits_loses_little_in_any_column():
@@ -95,10 +183,12 @@ def test_fconv_in_8_bits_loses_little_in_any_column():
         assert manifest["metrics_w8"][column] <= error + 1.5, column
 
 
-def test_fixed_point_is_the_float_lift(forms):
-    for name, column in forms["fixed"].items():
-        assert column["moved"] <= 0.5 and column["moved_999"] <= 3, name
-        assert column["mirrored"] <= 2, name  # of 6,453; measured 0
+@pytest.mark.parametrize("model", accuracy.MODELS)
+def test_fixed_point_is_the_float_lift(forms, model):
+    for found in forms[model].values():
+        for name, column in found["fixed"].items():
+            assert column["moved"] <= 0.5 and column["moved_999"] <= 10, name
+            assert column["mirrored"] <= 6, name  # of some 6,000
 
 
 def test_operations_are_those_of_the_table_and_none_overflows(people):
@@ -125,22 +215,27 @@ def test_the_costs_are_those_of_the_tables(costs):
 
 
 LIMITS = [  # bytes of code, instructions a lift
-    ("Cortex-M4F", "f32", 16384, 150_000),
-    ("Cortex-M4F", "w16", 16384, 150_000),
-    ("Cortex-M3", "fixed", 16384, 700_000),
-    ("Cortex-M0+", "fixed", 20480, 1_500_000),
+    ("Cortex-M4F", "distances", "f32", 16384, 155_700),
+    ("Cortex-M4F", "distances", "w16", 16384, 155_700),
+    ("Cortex-M4F", "distances", "w8", 16384, 177_300),
+    ("Cortex-M3", "distances", "fixed", 17408, 473_000),
+    ("Cortex-M0+", "distances", "fixed", 21504, 1_452_000),
+    ("Cortex-M4F", "direct", "w16", 16384, 75_000),
+    ("Cortex-M3", "direct", "fixed", 17408, 215_000),
+    ("Cortex-M0+", "direct", "fixed", 21504, 660_000),
 ]
 
 
-@pytest.mark.parametrize("core, variant, code, lift", LIMITS)
-def test_a_lift_is_cheap(costs, core, variant, code, lift):
-    (cost,) = [cost for cost in costs if (cost.core, cost.variant) == (core, variant)]
+@pytest.mark.parametrize("core, model, variant, code, lift", LIMITS)
+def test_a_lift_is_cheap(costs, core, model, variant, code, lift):
+    title = (core, model, variant)
+    (cost,) = [cost for cost in costs if (cost.core, cost.model, cost.variant) == title]
     assert cost.code <= code and cost.lift <= lift
 
 
 def test_a_lift_needs_little_memory(costs):
-    assert max(cost.work for cost in costs) <= 4096
-    assert max(cost.stack for cost in costs) <= 512
+    assert max(cost.work for cost in costs) <= 4263
+    assert max(cost.stack for cost in costs) <= 640
 
 
 def test_all_of_the_flash_is_told(tmp_path):
@@ -148,8 +243,8 @@ def test_all_of_the_flash_is_told(tmp_path):
     target = TARGETS["cortex-m0plus"]
     need_core(target)
     library = compile_library(target, "-Os", tmp_path)
-    options = size.VARIANTS["fixed"]
-    cost = size.measure_variant(target, "fixed", options, library, tmp_path)
+    title = ("direct", "fixed")
+    cost = size.measure_variant(target, title, size.options_of(*title), library, tmp_path)
     listing = run(f"{target.system.cross}size", tmp_path / "smallest.elf").splitlines()
     flash = int(listing[1].split()[0])
     assert 0 <= flash - cost.code - cost.weights <= 200
@@ -158,9 +253,9 @@ def test_all_of_the_flash_is_told(tmp_path):
 
 def test_a_wrong_figure_is_found():
     right = size.Cost(
-        "Cortex-M3", "f32", code=6000, helpers=40, weights=160000, work=3800, stack=260,
-        place_stack=900, edm=100, impute=110, predict=1000, mds=1000, mirror=100, orient=100,
-        fuse=100, lift=2400, place=1500,
+        "Cortex-M3", "direct", "f32", code=6000, helpers=40, weights=160000, work=3800, stack=260,
+        place_stack=900, impute=110, frame=100, inputs=100, network=1000, mds=1000, align=100,
+        orient=100, mirror=100, fuse=100, lift=2400, place=1500,
     )  # fmt: skip
     size.compare([right], [right])
     for wrong in ({"code": 6001}, {"stack": 264}, {"lift": 2500}, {"variant": "w8"}):
@@ -173,7 +268,7 @@ def test_a_wrong_figure_is_found():
 
 def test_a_table_is_read_as_it_was_written():
     rows = size.parse(markdown.read(size.COSTS, "costs"))
-    assert len(rows) == len(TARGETS) * len(size.VARIANTS)
+    assert len(rows) == len(TARGETS) * len(size.MODELS) * len(size.VARIANTS)
     assert size.parse(size.full_table(rows)) == rows
 
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -12,8 +13,12 @@ from support import run_tool
 
 from data.mocap import MocapError
 from edmlift.joints import PAIRS
-from model import fconn, fconv, jax_stages, reference
+from export.kinds import read_network
+from export.settings import read_settings
+from model import constants, fconn, fconv, jax_stages, layout, reference
+from model.manifest import NEAREST
 from training import manifest, mirror, views
+from training.loss import scaled_poses
 from training.recipe import MAX_MISSING, RECIPES, Recipe, scale_epochs
 from training.run import Run, split
 
@@ -47,13 +52,6 @@ def test_the_gradient_through_the_mds_is_the_slope():
             assert float(gradient[k]) == pytest.approx(float(slope), rel=1e-2, abs=1e-3)
 
 
-def test_the_input_is_the_references():
-    keypoints, _ = views.draw_2d(people().joints, SHORT, np.random.default_rng(3))
-    edm = np.asarray(jax_stages.edm_2d(jnp.asarray(keypoints)))
-    for i in range(0, 400, 20):
-        assert np.allclose(edm[i], reference.edm(keypoints[i].astype(float), 4, 99), atol=1e-5)
-
-
 def test_draws_hide_none_some_or_a_limb():
     seen = views.draw_masks(4000, np.random.default_rng(4))
     missing = (~seen).sum(1)
@@ -63,22 +61,35 @@ def test_draws_hide_none_some_or_a_limb():
 
 def test_balancing_evens_out_the_subjects():
     subject = np.repeat([1, 2], [900, 100])
+    joints = np.zeros((1000, 14, 3)) + subject[:, None, None]
+    motion = dataclasses.replace(people(1000), joints=joints, subject=subject)
     rng = np.random.default_rng(5)
     share = [
-        (subject[views.pick_poses(subject, dataclasses.replace(SHORT, balance=b), rng)] == 2).mean()
+        (views.pick_poses([motion], dataclasses.replace(SHORT, balance=b), rng) == 2).mean()
         for b in (0.0, 0.5, 1.0)
     ]
     assert share == pytest.approx([0.1, 0.25, 0.5], abs=0.05)
 
 
+def test_other_motions_have_their_share():
+    first, second = people(300), dataclasses.replace(people(100), joints=people(100).joints + 9)
+    third = dataclasses.replace(people(100), joints=people(100).joints + 99)
+    recipe = dataclasses.replace(SHORT, others=0.4, balance=0.0)
+    joints = views.pick_poses([first, second, third], recipe, np.random.default_rng(6))
+    assert len(joints) == 500
+    place = joints[:, 0, 1]
+    shares = [(place < 5).mean(), ((place > 5) & (place < 50)).mean(), (place > 50).mean()]
+    assert shares == pytest.approx([0.6, 0.2, 0.2], abs=0.08)
+
+
 def test_the_loss_falls_and_a_resumed_run_is_the_same(tmp_path):
-    whole, losses = Run(people(), SHORT, 7), []
+    whole, losses = Run([people()], SHORT, 7), []
     while whole.epoch < whole.epochs:
         losses.append(whole.advance(whole.draw(whole.epoch)))
         if whole.epoch == 2:
             whole.save_state(tmp_path / "state")
     assert losses[1] < losses[0] and losses[3] < losses[2]
-    resumed = Run(people(), SHORT, 7)
+    resumed = Run([people()], SHORT, 7)
     resumed.load_state(tmp_path / "state")
     while resumed.epoch < resumed.epochs:
         resumed.advance(resumed.draw(resumed.epoch))
@@ -87,21 +98,23 @@ def test_the_loss_falls_and_a_resumed_run_is_the_same(tmp_path):
 
 
 def test_a_state_of_another_recipe_is_refused(tmp_path):
-    Run(people(), SHORT, 7).save_state(tmp_path / "state")
+    Run([people()], SHORT, 7).save_state(tmp_path / "state")
     with pytest.raises(ValueError, match="another recipe or seed"):
-        Run(people(), SHORT, 8).load_state(tmp_path / "state")
+        Run([people()], SHORT, 8).load_state(tmp_path / "state")
 
 
 def test_held_out_people_are_kept_out():
-    rest, held = split(people(), [2, 3])
-    assert set(rest.subject) == {1, 4} and set(held.subject) == {2, 3}
+    other = dataclasses.replace(people(), subject=people().subject + 2)
+    rest, held = split([people(), other], [2, 3])
+    assert [set(motion.subject) for motion in rest] == [{1, 4}, {4, 5, 6}]
+    assert [set(motion.subject) for motion in held] == [{2, 3}, {3}]
     with pytest.raises(MocapError, match="no subject .*9"):
-        split(people(), [9])
+        split([people()], [9])
 
 
 def test_too_few_poses_are_an_error():
     with pytest.raises(MocapError, match="do not fill a batch"):
-        Run(people(20), SHORT, 0)
+        Run([people(20)], SHORT, 0)
 
 
 def test_the_papers_recipe_is_the_papers():
@@ -111,8 +124,8 @@ def test_the_papers_recipe_is_the_papers():
 
 
 def test_epochs_are_scaled_to_a_total():
-    assert scale_epochs(RECIPES["mds"], None) is RECIPES["mds"]
-    few = scale_epochs(RECIPES["mds"], 60)
+    assert scale_epochs(RECIPES["distances"], None) is RECIPES["distances"]
+    few = scale_epochs(Recipe(l2_epochs=20, mds_epochs=980), 60)
     assert (few.l2_epochs, few.mds_epochs) == (10, 50)  # enough of L2 to begin with
     assert scale_epochs(RECIPES["paper"], 7).epochs == 7
 
@@ -187,7 +200,7 @@ def batch_forward(params, edm):
 
 
 def test_fconvs_loss_falls():
-    run = Run(people(100), dataclasses.replace(SHORT, network="fconv"), 7)
+    run = Run([people(100)], dataclasses.replace(SHORT, network="fconv"), 7)
     losses = [run.advance(run.draw(run.epoch)) for _ in range(4)]
     assert losses[1] < losses[0] and losses[3] < losses[2]
 
@@ -211,17 +224,45 @@ def test_the_refinement_that_is_chosen_is_the_best():
     assert manifest.refinement_errors(exact, truth)["none"] == pytest.approx(0, abs=0.01)
 
 
-def test_the_command_writes_weights_and_manifest(tmp_path):
-    path = write_motion(tmp_path / "motion.npz", people())
-    out = tmp_path / "net.npz"
-    done = run_tool("train.py", path, "--out", out, "--epochs", 2, "--hold-out", 4)
+def trained(folder: Path, recipe: str, *options: object) -> tuple[dict, dict, str]:
+    """Manifest, arrays and what train.py prints, of a few epochs on two motions."""
+    path = write_motion(folder / "motion.npz", people())
+    out = folder / "net.npz"
+    few = ("--recipe", recipe, "--epochs", 2, "--hold-out", 4)
+    done = run_tool("train.py", path, path, "--out", out, *few, *options)
     assert done.returncode == 0, done.stderr
-    written = json.loads(out.with_suffix(".json").read_text())
-    assert written["data"]["subjects"] == [1, 2, 3] and written["data"]["held_out"] == [4]
-    assert len(written["mirror"]) == 5 and written["max_aspect"] > 0.3
-    with np.load(out) as weights:
-        assert weights["weight0"].shape == (91, 96) and weights["bias2"].shape == (49,)
     assert not out.with_suffix(".state").exists()
+    with np.load(out) as weights:
+        arrays = dict(weights)
+    return json.loads(out.with_suffix(".json").read_text()), arrays, done.stdout
+
+
+@pytest.mark.parametrize("kind", layout.KINDS)
+def test_the_command_trains_an_equivariant_network(tmp_path, kind):
+    written, arrays, printed = trained(tmp_path, kind)
+    assert [file["subjects"] for file in written["data"]["files"]] == [[1, 2, 3]] * 2
+    assert written["data"]["held_out"] == [4] and "motion gt" in written["validation"]
+    layers = 3 if kind == "distances" else 4
+    known = layout.layout(kind)
+    assert arrays["weight0"].shape == (known.even + known.odd, 88)
+    assert len(arrays[f"bias{layers - 1}"]) == len(known.has_even)
+    assert len(arrays) == 2 * layers
+    assert ("scaled_share" in written) == (kind == "distances")
+    assert written["fusion"]["share"] == 1 and written["fusion"]["distance"] >= NEAREST
+    assert not {"mirror", "objective", "max_aspect"} & written.keys()
+    silent = written["silent_units"]
+    assert len(silent) == layers - 1 and all(0 <= count < 88 for count in silent)
+    assert f"never fire, layer by layer: {silent}" in printed
+    read, layers = read_network(tmp_path / "net.npz")  # the exporter takes it
+    assert read.model == kind and read_settings(tmp_path / "net.json", read.needs)
+
+
+def test_the_command_trains_the_papers_network(tmp_path):
+    written, arrays, _ = trained(tmp_path, "fconn")
+    assert len(written["mirror"]) == 5 and 0 < written["fusion"]["share"] < 1
+    assert written["objective"] in ("none", "square", "raw", "eq2")
+    assert "silent_units" not in written and "scaled_share" not in written
+    assert arrays["weight0"].shape == (91, 128) and arrays["bias2"].shape == (91,)
 
 
 def test_missing_motion_is_a_clear_error(tmp_path):
@@ -235,37 +276,40 @@ def test_pairs_are_row_by_row():
 
 def test_orienting_and_fusing_are_the_references():
     rng = np.random.default_rng(8)
-    keypoints, truth = views.draw_2d(people(60).joints, SHORT, rng)
-    distances = np.array([reference.distances(t) for t in truth.astype(float)])
+    seen = views.draw_2d(people(60).joints, SHORT, rng)
+    distances = np.array([reference.distances(t) for t in seen.truth.astype(float)])
     distances *= rng.uniform(0.9, 1.1, distances.shape)
-    mine = np.asarray(
-        jax_stages.poses(
-            jnp.asarray(distances, jnp.float32),
-            jnp.asarray(keypoints),
-            jnp.asarray(truth),
-            jax_stages.FUSION,
-        )
-    )
-    settings = manifest.fusion_settings(jax_stages.FUSION)
-    for pose, d, seen, true in zip(mine, distances, keypoints.astype(float), truth, strict=True):
-        points = reference.mds(d)
-        both = [
-            reference.fuse(reference.orient(points * [1, 1, z], seen), seen, **settings)
-            for z in (1, -1)
-        ]
-        depth = true[:, 2] - true[:, 2].mean()
-        right = both[0] if (both[0][:, 2] - both[0][:, 2].mean()) @ depth > 0 else both[1]
-        assert np.allclose(pose - pose.mean(0), right - right.mean(0), atol=2e-4)
+    table = constants.imputation()
+    image = jax_stages.body_frame(seen.keypoints, table)
+    params = {"fusion": jax_stages.FUSION, "share": jnp.array(0.4)}
+    given = jnp.asarray(distances, jnp.float32)
+    mine = np.asarray(scaled_poses(params, image, given, seen.truth), float)
+    settings = manifest.fusion_settings(params)
+    share = np.full(14, settings.pop("share"))
+    for pose, d, keypoints, true in zip(mine, distances, seen.keypoints, seen.truth, strict=True):
+        at = reference.body_frame(keypoints.astype(float), 10, table)
+        points = reference.orient(reference.mds(d), at)
+        points = points * [1, 1, np.sign(points[:, 2] @ (true[:, 2] - true[:, 2].mean()))]
+        points, _ = reference.fuse(points, at, share, **settings)
+        right = reference.turned(points, at.down * [-1, 1])
+        assert np.allclose(pose - pose.mean(0), right - right.mean(0), atol=1e-3)
 
 
 def test_the_fusion_is_trained_along():
-    run = Run(people(), SHORT, 7)
+    run = Run([people()], SHORT, 7)
     while run.epoch < run.epochs:
         run.advance(run.draw(run.epoch))
     assert not np.array_equal(run.params["fusion"], jax_stages.FUSION)
-    assert 0 < manifest.fusion_settings(run.params["fusion"])["weight"] < 1
-    without = Run(people(), dataclasses.replace(SHORT, fuse=False, rigid=1.0), 7)
+    assert manifest.fusion_settings(run.params)["share"] == 1
+    assert float(run.params["scaled_share"]) != 0
+    plain = dataclasses.replace(SHORT, network="fconn", fuse=False)
+    without = Run([people()], dataclasses.replace(plain, rigid=1.0), 7)
     assert "fusion" not in without.params
-    assert manifest.fusion_settings(None)["weight"] == 0
+    assert manifest.fusion_settings(without.params)["share"] == 0
     with pytest.raises(ValueError, match="rigid must be 1 without the fuse stage"):
-        Run(people(), dataclasses.replace(SHORT, fuse=False), 7)
+        Run([people()], plain, 7)
+
+
+def test_the_fusion_takes_the_image_from_no_nearer_than_c_allows():
+    _, distance = jax_stages.fusion_settings(jnp.array([-2.0, 0.5]))
+    assert float(distance) == NEAREST
