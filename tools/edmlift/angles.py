@@ -61,7 +61,8 @@ def side_slope(joints: ArrayLike, up: ArrayLike = LEVEL) -> NDArray[np.float64]:
 def turn(from_angle: ArrayLike, to_angle: ArrayLike) -> NDArray[np.float64]:
     """By how much an angle is larger than another one, the short way round: -180 to 180."""
     difference = np.asarray(to_angle, float) - np.asarray(from_angle, float)
-    return (difference + 180.0) % 360.0 - 180.0
+    angle: NDArray[np.float64] = (difference + 180.0) % 360.0 - 180.0
+    return angle
 
 
 def between(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -69,7 +70,8 @@ def between(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float6
     first, second = unit(a), unit(b)
     apart = np.linalg.norm(first - second, axis=-1)
     together = np.linalg.norm(first + second, axis=-1)
-    return np.degrees(2 * np.arctan2(apart, together))
+    angle: NDArray[np.float64] = np.degrees(2 * np.arctan2(apart, together))
+    return angle
 
 
 def unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -204,13 +204,15 @@ def to_q16(keypoints: ArrayLike) -> NDArray[np.void]:
 def up_q(up: NDArray[np.float32]) -> NDArray[np.int32]:
     """Directions [F,3] as edml_point_q, whose unit does not matter: the largest component is 1."""
     largest = np.abs(up).max(-1, keepdims=True).astype(float)
-    return np.round(up / largest * 65536).astype(np.int32)
+    scaled: NDArray[np.int32] = np.round(up / largest * 65536).astype(np.int32)
+    return scaled
 
 
 def camera_q(camera: NDArray[np.float32]) -> NDArray[np.int32]:
     """fx, fy, cx, cy [4] as edml_camera_q; what is out of range, the nearest that is."""
     inside = np.clip(camera.astype(float) * 65536, -(2.0**31), 2.0**31 - 1)
-    return np.round(inside).astype(np.int32)
+    rounded: NDArray[np.int32] = np.round(inside).astype(np.int32)
+    return rounded
 
 
 def seen_bits(seen: NDArray[np.bool_]) -> NDArray[np.uint16]:

@@ -68,6 +68,7 @@ def stand(poses: Poses, up: ArrayLike = (0.0, -1.0, 0.0)) -> NDArray[np.float32]
     """
     given, single = batched(poses)
     directions = read_up(up, len(given.joints))
+    assert directions is not None  # up was given
     out, _ = stand_joints(load(), given, directions)
     return out[0] if single else out
 

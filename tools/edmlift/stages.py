@@ -46,7 +46,8 @@ class Image:
     @property
     def seen(self) -> NDArray[np.bool_]:
         """Which joints were seen [14]."""
-        return from_bits(self.record["seen"])[0]
+        seen: NDArray[np.bool_] = from_bits(self.record["seen"])[0]
+        return seen
 
 
 @dataclass(frozen=True)
