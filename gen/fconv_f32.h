@@ -5,7 +5,7 @@
  * weights     sha256 53ff4c30b8ce5612
  * parameters  605569, 15305216 multiply-adds
  * quantiser   none (float32)
- * error, mm   gt 50.7, n5 55.9, n10 68.3, n15 77.1, n20 89, cpm 63.1, rand2 60.3, right_arm 70.5, left_arm 74.1, right_leg 71.3, left_leg 68.5, rolled 51.4, close 58.7
+ * error, mm   gt 50.7, n5 55.9, n10 68.3, n15 77.1, n20 89, cpm 63.1, rand2 60.3, right_arm 70.5, left_arm 74.1, right_leg 71.3, left_leg 68.6, rolled 51.2, close 58.7, sideways 50.7
  * training    recipe mds, seed 0
  */
 
