@@ -48,16 +48,16 @@ plain = functools.partial(rival, network="plain", hidden=(121,) * 3)
 alike = functools.partial(rival, network="equivariant", hidden=(90,) * 3)
 
 RIVALS = {
-    "mlp40k": plain(mds_epochs=300, rate=2e-3, batch=128),
-    "equivariant40k": alike(mds_epochs=900, rate=2e-3, batch=128),
+    "mlp40k": plain(pose_epochs=300, rate=2e-3, batch=128),
+    "equivariant40k": alike(pose_epochs=900, rate=2e-3, batch=128),
     "martinez": rival(
-        network="residual", hidden=(1024,) * 5, mds_epochs=24, batch=1024, average=0.99
+        network="residual", hidden=(1024,) * 5, pose_epochs=24, batch=1024, average=0.99
     ),
 }
 
 # What rate and batch are best, on HELD_OUT people.
 TRIALS = {
-    f"{name}, rate {rate}, batches of {batch}": make(mds_epochs=60, rate=rate, batch=batch)
+    f"{name}, rate {rate}, batches of {batch}": make(pose_epochs=60, rate=rate, batch=batch)
     for name, make in (("40 K", plain), ("left and right alike", alike))
     for rate, batch in ((1e-3, 64), (2e-3, 64), (3e-3, 128))
 }
@@ -209,7 +209,7 @@ def trials_table(trials: dict[str, dict]) -> str:
     rows = {
         title: [
             f"{row['parameters']:,}",
-            row["recipe"]["mds_epochs"],
+            row["recipe"]["pose_epochs"],
             *(row["validation"][c] for c in columns),
         ]
         for title, row in trials.items()
@@ -255,7 +255,7 @@ def run_all(args: argparse.Namespace) -> None:
     for name, recipe in recipes.items():
         print(name, file=sys.stderr)
         epochs = min(recipe.epochs, args.epochs or recipe.epochs)
-        recipe = dataclasses.replace(recipe, mds_epochs=epochs)
+        recipe = dataclasses.replace(recipe, pose_epochs=epochs)
         run = finish(RivalRun(motions, recipe, args.seed), held, args.out / f"{name}.state")
         entry = about(run, held_out)
         if args.trials:

@@ -47,7 +47,7 @@ def distance_losses(recipe: Recipe) -> tuple[Loss, Loss]:
     """Of networks from distances to distances."""
     net = NETWORKS[recipe.network]
     imputation = imputation_of(recipe)
-    if recipe.mds_epochs > 0 and recipe.rigid < 1 and not recipe.fuse:
+    if recipe.pose_epochs > 0 and recipe.rigid < 1 and not recipe.fuse:
         raise ValueError("rigid must be 1 without the fuse stage: points of an MDS have no camera")
 
     def forward(

@@ -12,7 +12,7 @@ class Recipe:
     network: str = "distances"  # one of loss.NETWORKS, or of layout.KINDS
     hidden: tuple[int, ...] = (88, 80)  # pairs of units a layer; of the equivariant networks
     l2_epochs: int = 0  # epochs of plain L2 on the distances ...
-    mds_epochs: int = 900  # ... then epochs on the error of the poses
+    pose_epochs: int = 900  # ... then on the error of the poses; of `direct` all
     batch: int = 64
     rate: float = 1e-3
     drop_rate_at: float = 0.0  # share of the epochs when the rate falls to a tenth; 0: cosine
@@ -46,7 +46,7 @@ class Recipe:
     @property
     def epochs(self) -> int:
         """Of both phases."""
-        return self.l2_epochs + self.mds_epochs
+        return self.l2_epochs + self.pose_epochs
 
 
 # Through the distances to the MDS and nothing else: the paper's networks, better trained.
@@ -55,18 +55,18 @@ _SCALED |= {"rigid": 0.7, "redefined": 0.0}
 
 RECIPES = {
     "distances": Recipe(),
-    "direct": Recipe(network="direct", hidden=(88, 88, 88), mds_epochs=1800),
-    "fconn": Recipe(network="fconn", l2_epochs=41, mds_epochs=209, **_SCALED),
-    "fconv": Recipe(network="fconv", l2_epochs=5, mds_epochs=25, **_SCALED | {"rigid": 1.0}),
+    "direct": Recipe(network="direct", hidden=(88, 88, 88), pose_epochs=1800),
+    "fconn": Recipe(network="fconn", l2_epochs=41, pose_epochs=209, **_SCALED),
+    "fconv": Recipe(network="fconv", l2_epochs=5, pose_epochs=25, **_SCALED | {"rigid": 1.0}),
     "l2": Recipe(
-        network="fconn", l2_epochs=1000, mds_epochs=0, **_SCALED | {"rigid": 1.0, "fuse": False}
+        network="fconn", l2_epochs=1000, pose_epochs=0, **_SCALED | {"rigid": 1.0, "fuse": False}
     ),
     # Section 3.2 of the paper: L2, Adam, batches of 200, dropout 0.5, 500 epochs, the rate
     # divided by ten after 250; no noise or occlusion unless asked for.
     "paper": Recipe(
         network="fconn",
         l2_epochs=500,
-        mds_epochs=0,
+        pose_epochs=0,
         batch=200,
         rate=1e-3,
         drop_rate_at=0.5,
@@ -93,6 +93,6 @@ def scale_epochs(recipe: Recipe, epochs: int | None) -> Recipe:
     if epochs is None:
         return recipe
     l2 = round(epochs * recipe.l2_epochs / recipe.epochs)
-    if recipe.l2_epochs > 0 and recipe.mds_epochs > 0:
+    if recipe.l2_epochs > 0 and recipe.pose_epochs > 0:
         l2 = max(l2, epochs // 6)  # few as they are, they must get the MDS near enough
-    return dataclasses.replace(recipe, l2_epochs=l2, mds_epochs=epochs - l2)
+    return dataclasses.replace(recipe, l2_epochs=l2, pose_epochs=epochs - l2)

@@ -31,7 +31,7 @@ def test_the_papers_regimes_draw_what_they_say():
 
 def recipe_without(kind: str, name: str) -> ablations.Part:
     return ablations.part(
-        kind, without=name, hidden=(8, 8), batch=50, l2_epochs=0, mds_epochs=2
+        kind, without=name, hidden=(8, 8), batch=50, l2_epochs=0, pose_epochs=2
     )
 
 

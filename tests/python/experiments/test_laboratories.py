@@ -53,7 +53,7 @@ def test_people_of_the_test_are_measured_if_there_are_any():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_library_of_a_run_lifts_as_training_does(tmp_path, kind):
-    recipe = dataclasses.replace(RECIPES[kind], l2_epochs=0, mds_epochs=1, batch=60)
+    recipe = dataclasses.replace(RECIPES[kind], l2_epochs=0, pose_epochs=1, batch=60)
     motion = of([1, 2])
     run = finish(Run([motion], recipe, 3), [motion], tmp_path / f"{kind}.state")
     views = draw_2d(people(70).joints, recipe, np.random.default_rng(1))

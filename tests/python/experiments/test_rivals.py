@@ -17,10 +17,10 @@ from model import coordinates, jax_stages, lifter
 from training.recipe import RECIPES
 from training.views import Views, draw_2d, imputation_of, pick_poses
 
-PLAIN = rivals.plain(hidden=(16, 16), mds_epochs=3, batch=50, average=0.9)
-ALIKE = rivals.alike(hidden=(16, 16), mds_epochs=3, batch=50, average=0.9)
+PLAIN = rivals.plain(hidden=(16, 16), pose_epochs=3, batch=50, average=0.9)
+ALIKE = rivals.alike(hidden=(16, 16), pose_epochs=3, batch=50, average=0.9)
 RESIDUAL = rivals.rival(
-    network="residual", hidden=(16,) * 5, mds_epochs=3, batch=100, average=0.9
+    network="residual", hidden=(16,) * 5, pose_epochs=3, batch=100, average=0.9
 )
 SMALL = pytest.mark.parametrize("recipe", [PLAIN, RESIDUAL, ALIKE], ids=rivals.NETWORKS)
 
@@ -69,7 +69,7 @@ def test_rivals_have_the_parameters_that_they_are_named_for():
 
 
 def test_all_rivals_are_trained_as_the_librarys_network():
-    own = ("network", "hidden", "mds_epochs", "batch", "rate", "average", "up", "fuse")
+    own = ("network", "hidden", "pose_epochs", "batch", "rate", "average", "up", "fuse")
     for recipe in (*rivals.RIVALS.values(), *rivals.TRIALS.values()):
         for name, value in dataclasses.asdict(RECIPES["direct"]).items():
             assert name in own or getattr(recipe, name) == value, name
@@ -218,7 +218,7 @@ def test_the_command_adds_rivals_to_the_json(tmp_path, files):
     entries = json.loads(results.read_text())["rivals"]
     assert list(entries) == ["mlp40k", "equivariant40k"]  # the order of the table
     entry = entries["mlp40k"]
-    assert entry["parameters"] == 39_851 and entry["recipe"]["mds_epochs"] == 2
+    assert entry["parameters"] == 39_851 and entry["recipe"]["pose_epochs"] == 2
     assert [file["poses"] for file in entry["data"]["files"]] == [400, 100]
     assert [test["poses"] for test in entry["tests"]] == [60, 40]
     assert entry["tests"][0]["sha256"] == people(60).sha256
@@ -247,7 +247,7 @@ def test_bad_input_is_a_clear_error(tmp_path, files):
 def test_trials_have_a_table():
     row = {"gt": 50.0, "gt_camera": 61.0, "rand2": 70.0}
     validation = {f"{stem} {n}": v for stem in ("cmu", "labs") for n, v in row.items()}
-    recipe = {"mds_epochs": 3}
+    recipe = {"pose_epochs": 3}
     entry = {"parameters": 39851, "recipe": recipe, "validation": validation}
     text = rivals.trials_table({"plain": entry})
     heads = "cmu gt | cmu gt, camera axes | labs gt | labs gt, camera axes"

@@ -22,7 +22,7 @@ from training.loss import scaled_poses
 from training.recipe import MAX_MISSING, RECIPES, Recipe, scale_epochs
 from training.run import Run, split
 
-SHORT = Recipe(l2_epochs=2, mds_epochs=2, batch=50)
+SHORT = Recipe(l2_epochs=2, pose_epochs=2, batch=50)
 
 
 def test_the_mds_is_the_references():
@@ -119,14 +119,14 @@ def test_too_few_poses_are_an_error():
 
 def test_the_papers_recipe_is_the_papers():
     paper = RECIPES["paper"]
-    assert (paper.l2_epochs, paper.mds_epochs, paper.batch) == (500, 0, 200)
+    assert (paper.l2_epochs, paper.pose_epochs, paper.batch) == (500, 0, 200)
     assert (paper.dropout, paper.rate, paper.drop_rate_at) == (0.5, 1e-3, 0.5)
 
 
 def test_epochs_are_scaled_to_a_total():
     assert scale_epochs(RECIPES["distances"], None) is RECIPES["distances"]
-    few = scale_epochs(Recipe(l2_epochs=20, mds_epochs=980), 60)
-    assert (few.l2_epochs, few.mds_epochs) == (10, 50)  # enough of L2 to begin with
+    few = scale_epochs(Recipe(l2_epochs=20, pose_epochs=980), 60)
+    assert (few.l2_epochs, few.pose_epochs) == (10, 50)  # enough of L2 to begin with
     assert scale_epochs(RECIPES["paper"], 7).epochs == 7
 
 
