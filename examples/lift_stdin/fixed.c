@@ -40,8 +40,8 @@ static int32_t to_fixed(float value) { return saturate(65536.0 * (double)value, 
 
 static edml_camera_q camera_of(const options *set)
 {
-    const edml_camera_q camera = {to_fixed(set->camera.fx), to_fixed(set->camera.fy), to_fixed(set->camera.cx),
-                                  to_fixed(set->camera.cy)};
+    const edml_camera_q camera = {to_fixed(set->camera.fx), to_fixed(set->camera.fy),
+                                  to_fixed(set->camera.cx), to_fixed(set->camera.cy)};
     return camera;
 }
 

@@ -47,7 +47,10 @@ options read_options(char **argv);
 
 static inline int places(const options *set) { return set->camera.fx > 0 || set->sweep; }
 
-static inline int knows_up(const options *set) { return set->up.x != 0 || set->up.y != 0 || set->up.z != 0; }
+static inline int knows_up(const options *set)
+{
+    return set->up.x != 0 || set->up.y != 0 || set->up.z != 0;
+}
 
 /* The number of keypoints on a line. */
 static inline int keypoints_of(const options *set)

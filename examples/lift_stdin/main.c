@@ -92,8 +92,8 @@ static edml_status lift_frame(edml_pose *pose, const edml_keypoint in[EDML_JOINT
     const double ms = set->fps > 0 ? 1000.0 * (double)before->frame / (double)set->fps
                                    : 1000.0 * before->time + 0.5;
     const uint32_t time = (uint32_t)fmod(floor(ms), 4294967296.0);
-    return edml_track_lift(pose, &before->track, in, time, knows_up(set) ? &set->up : NULL, set->model, &work,
-                           sizeof work);
+    return edml_track_lift(pose, &before->track, in, time, knows_up(set) ? &set->up : NULL, set->model,
+                           &work, sizeof work);
 }
 
 static int is_outside(edml_keypoint at, float width, float height)

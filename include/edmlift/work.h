@@ -47,7 +47,10 @@ typedef struct {
     } scratch;
 } edml_work;
 
-typedef struct { edml_work lift; float more_scratch[3844]; } edml_fconv_work; /* with FConv: 19 KB */
+typedef struct {
+    edml_work lift;
+    float more_scratch[3844];
+} edml_fconv_work; /* with FConv: 19 KB */
 
 #ifdef __cplusplus
 }

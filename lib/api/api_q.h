@@ -24,7 +24,7 @@ typedef int32_t api_real; /* Q16 */
 #define FROM_API(a) ((a) * 256) /* |a| < 128 */
 #define IS_FINITE(a) is_in_range_q16(a)
 #define MIN_MAGNITUDE (INT32_C(256) << 16) /* pixels: 24 bits, as many as a float has */
-#define PIXELS(n) (INT32_C(n) << 16) /* n < 8192 */
+#define PIXELS(n) (INT32_C(n) << 16)       /* n < 8192 */
 #define PARAM(number) (number).q24
 #define WORK_BYTES(model) (model)->work_bytes_q
 #define RUN_NETWORK edml__run_network_q

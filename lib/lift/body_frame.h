@@ -115,7 +115,8 @@ static edml_status to_body_frame(edml_image *image, const edml_keypoint in[EDML_
     if (count_seen(seen) < fewest_joints) return EDML_ERR_TOO_FEW_JOINTS;
     if (imputation != NULL && count_seen(seen) < EDML_JOINTS - MAX_IMPUTED) return EDML_ERR_TOO_FEW_JOINTS;
     const image_box box = box_of(in, seen);
-    if (box.half_height <= MUL(RESOLUTION, box.magnitude) && box.half_width <= MUL(RESOLUTION, box.magnitude))
+    if (box.half_height <= MUL(RESOLUTION, box.magnitude) &&
+        box.half_width <= MUL(RESOLUTION, box.magnitude))
         return EDML_ERR_DEGENERATE;
     edml_image_point *const at = image->at;
     image->down = down;

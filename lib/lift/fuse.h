@@ -48,8 +48,8 @@ static EDML_NOINLINE void sum_fusion(fusion_sums *o, const point x[EDML_JOINTS],
 }
 
 /* square: of the difference, a mean over the seen joints. */
-static void move_to_image(point x[EDML_JOINTS], const fusion_sums *o, uint16_t seen, real scale, real square,
-                          const real share[EDML_JOINTS], const edml_model *model)
+static void move_to_image(point x[EDML_JOINTS], const fusion_sums *o, uint16_t seen, real scale,
+                          real square, const real share[EDML_JOINTS], const edml_model *model)
 {
     const real usual = PARAM(model->fusion[FUSION_SQUARE]), weight = DIV(usual, usual + square); /* <= 1 */
     for (int j = 0; j < EDML_JOINTS; j++) {
@@ -68,8 +68,8 @@ real edml_fuse(point x[EDML_JOINTS], const edml_image *image, const real share[E
     if ((image->seen & ALL_JOINTS) == 0) return 0;
     sum_fusion(&o, x, image, PARAM(model->fusion[FUSION_NEARNESS]));
     if (!(o.xu > 0 && o.uu > o.xu / 64)) return o.xx > 0 ? SQRT(o.xx) : 0;
-    const real scale = DIV(o.xu, o.uu);             /* < 64 */
-    const real square = o.xx - MUL(scale, o.xu);    /* scale xu <= xx */
+    const real scale = DIV(o.xu, o.uu);          /* < 64 */
+    const real square = o.xx - MUL(scale, o.xu); /* scale xu <= xx */
     const real difference = square > 0 ? square : 0;
     move_to_image(x, &o, image->seen, scale, difference, share, model);
     return SQRT(difference);

@@ -11,11 +11,11 @@
 #include <stdint.h>
 
 enum {
-    EDML_ROWS = 8,                /* rows of weights that lie side by side */
-    EDML_MAX_UNITS = 192,         /* of a fully connected layer: two layers fit a lift's scratch */
-    EDML_ACTIVATION = 32767,      /* the largest activation of a quantised network */
-    EDML_INPUT_SHIFT = 12,        /* a quantised network reads Q24 >> 12: Q12, within 8 */
-    EDML_SOFTENING = 2458         /* Q12, 0.6: equivariant networks read d^2 / (d + softening) */
+    EDML_ROWS = 8,           /* rows of weights that lie side by side */
+    EDML_MAX_UNITS = 192,    /* of a fully connected layer: two layers fit a lift's scratch */
+    EDML_ACTIVATION = 32767, /* the largest activation of a quantised network */
+    EDML_INPUT_SHIFT = 12,   /* a quantised network reads Q24 >> 12: Q12, within 8 */
+    EDML_SOFTENING = 2458    /* Q12, 0.6: equivariant networks read d^2 / (d + softening) */
 };
 
 #define EDML_GROUPS(outputs) (((outputs) + EDML_ROWS - 1) / EDML_ROWS)

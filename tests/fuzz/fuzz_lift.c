@@ -62,7 +62,8 @@ static void check_status(edml_status status)
 static void check_placement_status(edml_status status)
 {
     require(edml_status_name(status)[0] != '?', "an unknown status of a placement");
-    require(status != EDML_ERR_ARGUMENT && status != EDML_ERR_MODEL, "a placement's status without a cause");
+    require(status != EDML_ERR_ARGUMENT && status != EDML_ERR_MODEL,
+            "a placement's status without a cause");
 }
 
 /* From a hundredth of a pixel to 10,000, by a byte. */

@@ -227,8 +227,9 @@ static void any_outputs_up_to_three_metres(void)
         for (int k = 0; k < 196; k++) {
             const uint32_t bits = rng_bits(&r);
             const int32_t ends[] = {THREE_METRES, -THREE_METRES, 0, THREE_METRES};
-            outputs[k] = n % 3 == 2 ? ends[(bits >> 16) % (n % 2 ? 2 : 4)]
-                                  : ((int32_t)(bits % (2 * THREE_METRES + 1)) - THREE_METRES) / (1 << shift);
+            outputs[k] = n % 3 == 2
+                             ? ends[(bits >> 16) % (n % 2 ? 2 : 4)]
+                             : ((int32_t)(bits % (2 * THREE_METRES + 1)) - THREE_METRES) / (1 << shift);
         }
         lift_what_is_given(&r, n % 2 ? &edml_distances_w16 : &edml_direct_w16);
     }

@@ -15,8 +15,8 @@ typedef edml_keypoint keypoint_f32;
 typedef edml_pose pose_f32;
 typedef edml_work work_f32;
 
-static inline edml_status lift_f32(pose_f32 *pose, const keypoint_f32 in[EDML_JOINTS],
-                                   const point_f32 *up, const edml_model *model, work_f32 *work)
+static inline edml_status lift_f32(pose_f32 *pose, const keypoint_f32 in[EDML_JOINTS], const point_f32 *up,
+                                   const edml_model *model, work_f32 *work)
 {
     return edml_lift(pose, in, up, model, work, sizeof *work);
 }

@@ -222,9 +222,9 @@ edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const
     return status;
 }
 
-edml_status q24_lift_with_camera(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
-                                 const edml_point *up, const edml_camera *camera, const edml_model *model,
-                                 void *work, size_t work_bytes)
+edml_status q24_lift_with_camera(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_point *up,
+                                 const edml_camera *camera, const edml_model *model, void *work,
+                                 size_t work_bytes)
 {
     (void)work_bytes;
     edml_pose_q lifted;
@@ -320,7 +320,8 @@ edml_status q24_quality(float *quality, const edml_pose *pose)
     edml_pose_q given;
     int32_t found;
     if (pose != NULL) pose_to_q16(&given, pose);
-    const edml_status status = edml_quality_q(quality != NULL ? &found : NULL, pose != NULL ? &given : NULL);
+    const edml_status status = edml_quality_q(quality != NULL ? &found : NULL,
+                                              pose != NULL ? &given : NULL);
     if (status == EDML_OK) *quality = from_q16(found);
     return status;
 }

@@ -36,9 +36,9 @@ float q24_fuse(edml_point x[EDML_JOINTS], const edml_image *image, const float s
                const edml_model *model);
 edml_status q24_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_point *up,
                      const edml_model *model, void *work, size_t work_bytes);
-edml_status q24_lift_with_camera(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
-                                 const edml_point *up, const edml_camera *camera, const edml_model *model,
-                                 void *work, size_t work_bytes);
+edml_status q24_lift_with_camera(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_point *up,
+                                 const edml_camera *camera, const edml_model *model, void *work,
+                                 size_t work_bytes);
 void q24_adapt(edml_keypoint out[EDML_JOINTS], const edml_keypoint in[], const edml_format *format);
 edml_status q24_place(edml_placement *placement, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
                       const edml_camera *camera, void *work, size_t work_bytes);

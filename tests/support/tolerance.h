@@ -199,7 +199,7 @@
 #define LIFT_STAGES_TOLERANCE 2e-5F
 #define LIFT_REFLECTED_TOLERANCE 1e-4F
 #define LIFT_MIRRORED_TOLERANCE 1e-3F /* the network's input is rounded to 2^-12 */
-#define LIFT_ROLLED_TOLERANCE 2e-3F /* measured 1.04 mm */
+#define LIFT_ROLLED_TOLERANCE 2e-3F   /* measured 1.04 mm */
 #define LIFT_POINTS_TOLERANCE 1e-4F
 #define LIFT_POWERS_BEYOND 0
 #define LIFT_UP_POWERS {-6, -1, 1, 12}
@@ -215,10 +215,10 @@
 /* ---- Against NumPy in double, printed with seven digits ---- */
 #define VECTOR_FRAME_TOLERANCE 5e-6F /* keypoints to 2^-16 at worst */
 #ifndef EDML_TEST_Q24
-#define VECTOR_NET_TOLERANCE 1e-5F /* sums of up to 176 terms of about 1; measured 1e-6 */
+#define VECTOR_NET_TOLERANCE 1e-5F   /* sums of up to 176 terms of about 1; measured 1e-6 */
 #define VECTOR_SHARE_TOLERANCE 2e-5F /* steep in the gate: by up to 4; measured 1.3e-6 */
 #else
-#define VECTOR_NET_TOLERANCE 3e-3F /* 16-bit network on hard input; measured 1.1 mm */
+#define VECTOR_NET_TOLERANCE 3e-3F   /* 16-bit network on hard input; measured 1.1 mm */
 #define VECTOR_SHARE_TOLERANCE 0.03F /* measured 0.014 */
 #endif
 #define VECTOR_EIGEN_TOLERANCE 2e-6F /* relative to the largest; measured 4e-7 */

@@ -47,7 +47,8 @@ static void the_same_body_comes_back_whichever_way_it_was_turned(void)
 static double squares(const edml_point a[EDML_JOINTS], const edml_point b[EDML_JOINTS])
 {
     double sum = 0;
-    for (int j = 0; j < EDML_JOINTS; j++) sum += distance_between(a[j], b[j]) * distance_between(a[j], b[j]);
+    for (int j = 0; j < EDML_JOINTS; j++)
+        sum += distance_between(a[j], b[j]) * distance_between(a[j], b[j]);
     return sum;
 }
 
@@ -129,7 +130,8 @@ static void points_without_a_shape_are_the_networks(void)
     edml_align(x, person, &model);
     edml_align(y, person, &model);
     TEST_ASSERT_TRUE(all_finite(x, 3 * EDML_JOINTS) && all_finite(y, 3 * EDML_JOINTS));
-    for (int k = 0; k < 3 * EDML_JOINTS; k++) TEST_ASSERT_TRUE(fabsf((&x->x)[k]) < 4 && fabsf((&y->x)[k]) < 4);
+    for (int k = 0; k < 3 * EDML_JOINTS; k++)
+        TEST_ASSERT_TRUE(fabsf((&x->x)[k]) < 4 && fabsf((&y->x)[k]) < 4);
 }
 
 int main(void)

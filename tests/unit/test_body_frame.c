@@ -236,10 +236,13 @@ static void down_is_a_unit_vector_and_the_hips_are_below_the_shoulders(void)
         TEST_ASSERT_ERROR_UP_TO(FRAME_TOLERANCE, hypotf(image.down.u, image.down.v) - 1);
         const edml_image_point *at = image.at;
         const float across = (at[EDML_HEAD].u + at[EDML_NECK_BASE].u + at[EDML_R_SHOULDER].u +
-                              at[EDML_L_SHOULDER].u) / 4 - (at[EDML_R_HIP].u + at[EDML_L_HIP].u) / 2;
+                              at[EDML_L_SHOULDER].u) /
+                                 4 -
+                             (at[EDML_R_HIP].u + at[EDML_L_HIP].u) / 2;
         const float along = (at[EDML_R_HIP].v + at[EDML_L_HIP].v) / 2 -
                             (at[EDML_HEAD].v + at[EDML_NECK_BASE].v + at[EDML_R_SHOULDER].v +
-                             at[EDML_L_SHOULDER].v) / 4;
+                             at[EDML_L_SHOULDER].v) /
+                                4;
         TEST_ASSERT_ERROR_UP_TO(ROUNDING, across);
         TEST_ASSERT_TRUE(along > 0);
     }

@@ -528,8 +528,8 @@ static void a_person_off_the_axis_is_the_one_on_the_axis_turned(void)
         see(in, &level, turned);
         for (int j = 0; j < EDML_JOINTS; j++) in[j].c = given[j].c;
         const edml_point turned_up = rotated(view, up);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&on_axis, in, n % 4 ? &turned_up : NULL, model, &work,
-                                                 sizeof work));
+        TEST_ASSERT_EQUAL_INT(
+            EDML_OK, edml_lift(&on_axis, in, n % 4 ? &turned_up : NULL, model, &work, sizeof work));
         moved = worse(moved, worst_joint_error(lifted.joint, on_axis.joint));
         rotate_points(on_axis.joint, inverse(view), on_axis.joint);
         if (model == &edml_fconn_f32 && worst_joint_error(lifted.joint, on_axis.joint) > 0.1F)
@@ -649,8 +649,8 @@ static void in_fixed_point_it_is_nearly_the_same(void)
         const edml_camera_q by = camera_to_q16(camera);
         const edml_point_q up_q = point_to_q16(up);
         TEST_ASSERT_EQUAL_INT(EDML_OK, lift(&lifted, n % 4 ? &up : NULL, model));
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_with_camera_q(&whole, in_q, n % 4 ? &up_q : NULL, &by, model,
-                                                               &work_q, sizeof work_q));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_with_camera_q(&whole, in_q, n % 4 ? &up_q : NULL, &by,
+                                                               model, &work_q, sizeof work_q));
         for (int j = 0; j < EDML_JOINTS; j++) {
             const edml_point p = {(float)(whole.joint[j].x / 65536.0), (float)(whole.joint[j].y / 65536.0),
                                   (float)(whole.joint[j].z / 65536.0)};

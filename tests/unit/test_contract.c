@@ -255,10 +255,10 @@ static void misaligned_work_memory_is_refused(void)
 /* ---- Work memory ---------------------------------------------------------------------------------------- */
 
 #ifndef EDML_TEST_Q24
-static const edml_model *const models[] = {
-    &edml_direct_f32,    &edml_direct_w16, &edml_direct_w8, &edml_distances_f32, &edml_distances_w16,
-    &edml_distances_w8, &edml_fconn_f32,  &edml_fconn_w16, &edml_fconn_w8,      &edml_fconv_f32,
-    &edml_fconv_w8};
+static const edml_model *const models[] = {&edml_direct_f32,    &edml_direct_w16,    &edml_direct_w8,
+                                           &edml_distances_f32, &edml_distances_w16, &edml_distances_w8,
+                                           &edml_fconn_f32,     &edml_fconn_w16,     &edml_fconn_w8,
+                                           &edml_fconv_f32,     &edml_fconv_w8};
 #else
 static const edml_model *const models[] = {&edml_direct_w16,   &edml_direct_w8, &edml_distances_w16,
                                            &edml_distances_w8, &edml_fconn_w16, &edml_fconn_w8,
@@ -324,8 +324,8 @@ static int runs_model(const function *f) { return takes(f, MODEL) && takes(f, WO
 static int is_known(int reads, int gives)
 {
     if (!(reads & EDML_READS_BODY)) return reads == EDML_READS_DISTANCES && gives == EDML_GIVES_DISTANCES;
-    return reads < 4 && (gives | EDML_GIVES_DISTANCES) ==
-                            (EDML_GIVES_DISTANCES | EDML_GIVES_POINTS | EDML_GIVES_GATES);
+    return reads < 4 &&
+           (gives | EDML_GIVES_DISTANCES) == (EDML_GIVES_DISTANCES | EDML_GIVES_POINTS | EDML_GIVES_GATES);
 }
 
 static void a_model_that_reads_or_gives_something_else_is_refused(void)

@@ -253,7 +253,8 @@ static void fconn_takes_the_larger_work_memory_as_well(void)
         TEST_ASSERT_SAME_BYTES(again, pose);
         if (n == 0) continue;
         TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&lifted, in_q, NULL, models[n], &work_q, sizeof work_q));
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift_q(&other, in_q, NULL, models[n], &plain_q, sizeof plain_q));
+        TEST_ASSERT_EQUAL_INT(EDML_OK,
+                              edml_lift_q(&other, in_q, NULL, models[n], &plain_q, sizeof plain_q));
         TEST_ASSERT_SAME_BYTES(other, lifted);
     }
 }

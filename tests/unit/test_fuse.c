@@ -164,7 +164,8 @@ static void without_a_share_nothing_moves(void)
     set_model(0, 1, 0);
     for (int n = 0; n < 100; n++) {
         someone(&r, 0.1F);
-        TEST_ASSERT_FLOAT_WITHIN(FUSE_MISFIT_TOLERANCE, (float)sqrt(disagreement(person, ALL_SEEN)), run(x));
+        TEST_ASSERT_FLOAT_WITHIN(FUSE_MISFIT_TOLERANCE, (float)sqrt(disagreement(person, ALL_SEEN)),
+                                 run(x));
         TEST_ASSERT_ERROR_UP_TO(FUSE_KEPT, worst_joint_error(x, person));
     }
 }

@@ -297,8 +297,7 @@ static float run_stages(edml_pose *out, const edml_model *model, const point *up
 {
     point x[EDML_JOINTS];
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_body_frame(&framed, in, 10, model->imputation));
-    TEST_ASSERT_EQUAL_INT(EDML_OK,
-                          edml_predict(&said, &framed, up, model, &other_work, sizeof other_work));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_predict(&said, &framed, up, model, &other_work, sizeof other_work));
     const float clear = find_points(x, model);
     out->misfit = TO_API(edml_fuse(x, &framed, said.share, model));
     out->seen = framed.seen;

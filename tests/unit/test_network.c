@@ -279,7 +279,7 @@ static void check_against_definition(const edml_model *model)
 
 static void quantised_models_are_as_defined(void)
 {
-    static const edml_model *const models[] = {&edml_fconn_w16,     &edml_fconn_w8, &edml_distances_w16,
+    static const edml_model *const models[] = {&edml_fconn_w16,    &edml_fconn_w8,   &edml_distances_w16,
                                                &edml_distances_w8, &edml_direct_w16, &edml_direct_w8};
     for (unsigned n = 0; n < sizeof models / sizeof *models; n++) check_against_definition(models[n]);
 }
@@ -361,8 +361,9 @@ static void random_layers_are_as_defined(void)
 /* With what is odd negated, rows and mirror rows change places, to the last bit. */
 static void mirrored_inputs_exchange_rows_and_mirror_rows(void)
 {
-    static const edml_model *const models[] = {&edml_direct_f32,    &edml_direct_w16,    &edml_direct_w8,
-                                               &edml_distances_f32, &edml_distances_w16, &edml_distances_w8};
+    static const edml_model *const models[] = {&edml_direct_f32,    &edml_direct_w16,
+                                               &edml_direct_w8,     &edml_distances_f32,
+                                               &edml_distances_w16, &edml_distances_w8};
     float in[WIDE], mirrored[WIDE], out[2 * WIDE], other[2 * WIDE];
     for (uint32_t seed = 0; seed < 20; seed++) {
         rng r = rng_seed(seed);
@@ -513,8 +514,8 @@ static edml_model sum_w16(int32_t offset, int32_t multiplier, uint8_t shift)
         bias_q24[0][k] = offset;
         multiplier_q24[0][k] = multiplier;
     }
-    const edml_dense_w16 layer = {
-        edml_direct_w16.inputs, 32, weight_w16[0], bias_q24[0], multiplier_q24[0], shift, 3 << 24};
+    const edml_dense_w16 layer = {edml_direct_w16.inputs, 32,    weight_w16[0], bias_q24[0],
+                                  multiplier_q24[0],      shift, 3 << 24};
     layers_w16[0] = layer;
     edml_model model = edml_direct_w16;
     model.predict_q = edml__equivariant_w16;

@@ -68,8 +68,8 @@ static void run_with(edml_prediction *out, const edml_model *model, const point_
         native[0].y = to_real(upwards->y);
         native[0].z = to_real(upwards->z);
     }
-    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_predict(out, &image, upwards != NULL ? native : NULL, model, &work,
-                                                sizeof work));
+    TEST_ASSERT_EQUAL_INT(
+        EDML_OK, edml_predict(out, &image, upwards != NULL ? native : NULL, model, &work, sizeof work));
 }
 
 /* ---- What networks read, by another text ------------------------------------------------------------------ */
@@ -146,7 +146,8 @@ static int expect_inputs(double wanted[MOST], int distances, const point_f32 *up
     for (int kind = 0; kind < 3; kind++) { /* across, along, missing */
         for (int k = 0; k < FIRST_JOINTS; k++) {
             const int r = first_joint[k], l = edml_mirror_joint[r];
-            const double missing_r = image.seen >> r & 1 ? 0 : 0.7, missing_l = image.seen >> l & 1 ? 0 : 0.7;
+            const double missing_r = image.seen >> r & 1 ? 0 : 0.7,
+                         missing_l = image.seen >> l & 1 ? 0 : 0.7;
             const double a = kind == 0 ? (double)image_u[r] : kind == 1 ? (double)image_v[r] : missing_r;
             const double b = kind == 0 ? (double)image_u[l] : kind == 1 ? (double)image_v[l] : missing_l;
             *(kind == 0 ? &odd[odds++] : &even[evens++]) = a + b;
@@ -305,7 +306,8 @@ static void rows_of_distances_become_distances_points_and_shares(void)
     for (int n = 0; n < 50; n++) {
         give_rows(&r, &DISTANCES);
         for (int k = 0; k < FIRST_PAIRS; k++) {
-            const float first = fmaxf(rows[k], 0), second = k < MIRRORED_PAIRS ? fmaxf(rows[88 + k], 0) : first;
+            const float first = fmaxf(rows[k], 0),
+                        second = k < MIRRORED_PAIRS ? fmaxf(rows[88 + k], 0) : first;
             TEST_ASSERT_FLOAT_WITHIN(ROUNDING, first, from_real(said.distance[pair[k][0]]));
             TEST_ASSERT_FLOAT_WITHIN(ROUNDING, second, from_real(said.distance[pair[k][1]]));
         }
@@ -356,7 +358,8 @@ static void mirrored_people_are_mirrored(void)
             run_with(&again, model, n % 2 ? &up : NULL);
             for (int i = 0; i < EDML_JOINTS; i++) {
                 const int m = edml_mirror_joint[i];
-                TEST_ASSERT_FLOAT_WITHIN(MIRRORED_SHARE, from_real(said.share[i]), from_real(again.share[m]));
+                TEST_ASSERT_FLOAT_WITHIN(MIRRORED_SHARE, from_real(said.share[i]),
+                                         from_real(again.share[m]));
                 TEST_ASSERT_FLOAT_WITHIN(MIRRORED_POINTS, from_real(said.x[i].x), -from_real(again.x[m].x));
                 TEST_ASSERT_FLOAT_WITHIN(MIRRORED_POINTS, from_real(said.x[i].y), from_real(again.x[m].y));
                 TEST_ASSERT_FLOAT_WITHIN(MIRRORED_POINTS, from_real(said.x[i].z), from_real(again.x[m].z));
@@ -385,7 +388,8 @@ static void up_is_turned_to_the_bodys_frame(void)
         use_image();
         run_with(&again, model, &up);
         for (int k = 0; k < EDML_PAIRS; k++)
-            TEST_ASSERT_FLOAT_WITHIN(TURNED_METRES, from_real(said.distance[k]), from_real(again.distance[k]));
+            TEST_ASSERT_FLOAT_WITHIN(TURNED_METRES, from_real(said.distance[k]),
+                                     from_real(again.distance[k]));
         for (int j = 0; j < EDML_JOINTS; j++) {
             TEST_ASSERT_FLOAT_WITHIN(TURNED_METRES, from_real(said.x[j].x), from_real(again.x[j].x));
             TEST_ASSERT_FLOAT_WITHIN(TURNED_METRES, from_real(said.x[j].z), from_real(again.x[j].z));

@@ -70,7 +70,8 @@ static void check_frames(const lift_vector *vectors, const edml_model *model, co
     float worst = 0;
     for (int n = 0; n < LIFTS; n++) {
         load_keypoints(&vectors[n]);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_body_frame(&image, in, model->fewest_joints, model->imputation));
+        TEST_ASSERT_EQUAL_INT(EDML_OK,
+                              edml_body_frame(&image, in, model->fewest_joints, model->imputation));
         worst = worse(worst, worst_difference(&image.at[0].u, vectors[n].at[0], 2 * EDML_JOINTS));
         worst = worse(worst, worst_difference(&image.down.u, vectors[n].down, 2));
     }

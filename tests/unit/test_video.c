@@ -137,7 +137,8 @@ static void noise_is_more_than_halved(void)
         add_noise(&r, 5);
         memmove(alone, alone + 1, 2 * sizeof *alone);
         memmove(steady, steady + 1, 2 * sizeof *steady);
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&alone[2], in, NULL, &edml_direct_f32, &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK,
+                              edml_lift(&alone[2], in, NULL, &edml_direct_f32, &work, sizeof work));
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
         steady[2] = pose;
         if (n < 10) continue;
@@ -346,8 +347,8 @@ static void a_mirror_image_is_taken_only_if_it_persists(void)
         see_turned(45);
         const edml_model *model = wrong ? &bad : &good;
         TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, NULL, model, &work, sizeof work));
-        TEST_ASSERT_EQUAL_INT(
-            EDML_OK, edml_track_lift(&pose, &track, in, (uint32_t)n * FRAME, NULL, model, &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_track_lift(&pose, &track, in, (uint32_t)n * FRAME, NULL, model,
+                                                       &work, sizeof work));
         if (n < 60) TEST_ASSERT_EQUAL_UINT8(wrong, track.mirrored);
         if (n == 29) before = pose;
         if (n > 29 && n < 60) TEST_ASSERT_ERROR_UP_TO(0.0001F, worst_joint_error(before.joint, pose.joint));
@@ -417,8 +418,8 @@ static void up_goes_to_the_lift(void)
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&before, in, NULL, &edml_distances_f32, &work, sizeof work));
     TEST_ASSERT_TRUE(worst_joint_error(again.joint, before.joint) > 0.0001F);
     for (uint32_t n = 0; n < 5; n++) {
-        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_track_lift(&pose, &track, in, n * FRAME, &up, &edml_distances_f32,
-                                                       &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_track_lift(&pose, &track, in, n * FRAME, &up,
+                                                       &edml_distances_f32, &work, sizeof work));
         TEST_ASSERT_EQUAL_MEMORY(again.joint, pose.joint, sizeof pose.joint);
     }
 }
@@ -432,9 +433,9 @@ static void bad_up_leaves_no_trace(void)
     other = track;
     again = pose;
     for (int n = 0; n < 3; n++) {
-        TEST_ASSERT_EQUAL_INT(n == 0 ? EDML_ERR_DEGENERATE : EDML_ERR_NOT_FINITE,
-                              edml_track_lift(&pose, &track, in, FRAME, &bad[n], &edml_direct_f32, &work,
-                                              sizeof work));
+        TEST_ASSERT_EQUAL_INT(
+            n == 0 ? EDML_ERR_DEGENERATE : EDML_ERR_NOT_FINITE,
+            edml_track_lift(&pose, &track, in, FRAME, &bad[n], &edml_direct_f32, &work, sizeof work));
         TEST_ASSERT_EQUAL_MEMORY(&other, &track, sizeof track);
         TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
     }
