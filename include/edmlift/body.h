@@ -29,7 +29,8 @@ typedef struct {
 edml_status edml_fit_body(edml_pose *pose, const edml_body *body);
 
 /* The probability that a pose's mean joint error is under 100 mm (rigid alignment, no scale), as far as its
- * misfit, its bones and the number of joints seen tell.  docs/body.md says how well that holds.
+ * misfit, its bones, the number of joints seen and how far the person is seen from the side tell.
+ * docs/body.md says how well that holds.
  *   quality  0 to 1
  *   EDML_ERR_ARGUMENT        also: a misfit that no lift returns (negative or NaN)
  *   EDML_ERR_NOT_FINITE      a joint is not within 4 m

@@ -6,13 +6,14 @@ import cv2
 import numpy as np
 import pytest
 import scipy.io
-from support import ROOT, TEST, need_motion
+from support import OTHERS_TEST, ROOT, TEST, need_motion
 
 from data import cameras
 from data.mocap import load_motion
 from edmlift.joints import mid_hip
 from edmlift.library import Library
-from evaluation import camera, cli, reproject
+from evaluation import camera, cli, off_axis, reproject
+from evaluation.command import by_set
 from reports import markdown
 
 WALK = np.loadtxt(ROOT / "examples" / "data" / "walk.csv", delimiter=",").reshape(-1, 14, 3)
@@ -162,6 +163,32 @@ def test_the_tables_are_those_of_the_page(library):
     assert markdown.read(ROOT / "docs" / "where-in-the-room.md", "camera").strip() == table.strip()
     assert figures["true pose, gt"]["root"] < 0.1  # cm
     assert figures["true pose, gt"]["rotation"] < 0.01
+
+
+def test_people_are_turned_about_the_camera(scenes):
+    truth = scenes[0]
+    ahead = np.full((1, 14, 3), (0.0, 0.0, 4.0))
+    right, down = (off_axis.turned(ahead, 30, np.array([a]))[0, 0] for a in (0, np.pi / 2))
+    np.testing.assert_allclose(right, (2, 0, 2 * np.sqrt(3)), atol=1e-12)
+    np.testing.assert_allclose(
+        down, (0, 4 * np.sin(np.pi / 10), 4 * np.cos(np.pi / 10)), atol=1e-12
+    )
+    moved = off_axis.turned(truth, 20, np.linspace(0, 6, len(truth)))
+    np.testing.assert_allclose(np.linalg.norm(moved, axis=-1), np.linalg.norm(truth, axis=-1))
+
+
+def test_the_camera_helps_off_the_axis():
+    people = {
+        Path(name).stem: off_axis.evaluate(["direct_f32"], load_motion(need_motion(name)))
+        for name in (TEST, OTHERS_TEST)
+    }
+    table = by_set(off_axis.report, people)
+    page = markdown.read(ROOT / "docs" / "where-in-the-room.md", "off_axis")
+    assert page.strip() == table.strip()
+    for errors in people.values():
+        known, unknown = errors["direct_f32, camera known"], errors["direct_f32"]
+        np.testing.assert_allclose(known, known[0], atol=0.1)  # mm
+        assert known[0] < unknown[0] + 2 and (np.array(known[1:]) < unknown[1:]).all()
 
 
 # ---- Annotated images ------------------------------------------------------------------------
