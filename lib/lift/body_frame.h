@@ -82,14 +82,15 @@ static void turn_down(edml_image_point at[EDML_JOINTS], edml_image_point down)
     }
 }
 
-/* Moves the origin to the mean across the axis, of the joints in `counted`, and to the middle of the seen ones
- * along it; scales.  Two seen joints are 2 or more apart, so that half >= 0.27. */
-static void centre_and_scale(edml_image *image, uint16_t counted)
+/* Moves the origin to the mean across the axis, of the joints in `known`, and to the middle of the seen ones
+ * along it; scales.  The other joints stay at the origin.  Two seen joints are 2 or more apart, so that
+ * half >= 0.27. */
+static void centre_and_scale(edml_image *image, uint16_t known)
 {
     real mean = 0, top = FARTHEST + FARTHEST, bottom = -FARTHEST - FARTHEST, reach = 0;
     for (int j = 0; j < EDML_JOINTS; j++)
-        if (is_seen(counted, j)) mean += image->at[j].u; /* <= 5.6 each */
-    mean /= (real)count_seen(counted);
+        if (is_seen(known, j)) mean += image->at[j].u; /* <= 5.6 each */
+    mean /= (real)count_seen(known);
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!is_seen(image->seen, j)) continue;
         const edml_image_point p = image->at[j];
@@ -100,6 +101,7 @@ static void centre_and_scale(edml_image *image, uint16_t counted)
     const real middle = (top + bottom) / 2, high = (bottom - top) / 2;
     const real half = MUL(high, WIDEST) > reach ? high : DIV(reach, WIDEST);
     for (int j = 0; j < EDML_JOINTS; j++) {
+        if (!is_seen(known, j)) continue;
         image->at[j].u = clamp_real(DIV(image->at[j].u - mean, half), FARTHEST);
         image->at[j].v = clamp_real(DIV(image->at[j].v - middle, half), FARTHEST);
     }
@@ -133,8 +135,6 @@ static edml_status to_body_frame(edml_image *image, const edml_keypoint in[EDML_
         turn_down(at, image->down);
     }
     centre_and_scale(image, imputation != NULL ? ALL_JOINTS : seen);
-    for (int j = 0; j < EDML_JOINTS && imputation == NULL; j++)
-        if (!is_seen(seen, j)) at[j] = origin;
     return EDML_OK;
 }
 
