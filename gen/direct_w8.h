@@ -5231,5 +5231,5 @@ const edml_model edml_direct_w8 = {
     0, /* refinement steps */
     {{0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}}, /* mirror */
     {{0x1p0F, 16777216}, {0x1p0F, 16777216}, {0x1.4942acp-2F, 5394603}}, /* fusion: share 1, misfit 1 m, distance 3.11 m */
-    {0, 0}, /* scaled share: 0 */
+    {0, 0}, /* MDS share: 0 */
 };

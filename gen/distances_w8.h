@@ -5158,5 +5158,5 @@ const edml_model edml_distances_w8 = {
     0, /* refinement steps */
     {{0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}}, /* mirror */
     {{0x1p0F, 16777216}, {0x1p0F, 16777216}, {0x1.48a05ep-2F, 5384216}}, /* fusion: share 1, misfit 1 m, distance 3.116 m */
-    {0x1.0d9168p-1F, 8833204}, /* scaled share: 0.5265 */
+    {0x1.0d9168p-1F, 8833204}, /* MDS share: 0.5265 */
 };

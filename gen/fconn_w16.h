@@ -5195,5 +5195,5 @@ const edml_model edml_fconn_w16 = {
     0, /* refinement steps */
     {{0x1.b81d7ep-3F, 3605424}, {0x1.844d02p0F, 25447681}, {0x1.4ac084p-3F, 2709520}, {0x1.486f6ap1F, 43048659}, {-0x1.549518p1F, -44640816}}, /* mirror */
     {{0x1.b19cep-1F, 14208624}, {0x1.c14de8p-8F, 115022}, {0x1.555556p-2F, 5592405}}, /* fusion: share 0.8469, misfit 0.0828 m, distance 3 m */
-    {0, 0}, /* scaled share: 0 */
+    {0, 0}, /* MDS share: 0 */
 };

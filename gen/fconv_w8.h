@@ -75869,5 +75869,5 @@ const edml_model edml_fconv_w8 = {
     0, /* refinement steps */
     {{0x1.4ea4a8p-2F, 5482794}, {0x1.85e354p-1F, 12775850}, {0x1.084b5ep-1F, 8660399}, {0x1.c91688p1F, 59911438}, {-0x1.884ea4p1F, -51420489}}, /* mirror */
     {{0x1.d23a2ap-1F, 15277333}, {0x1.c6195p-9F, 58125}, {0x1.cbcfb8p-3F, 3766775}}, /* fusion: share 0.9106, misfit 0.05886 m, distance 4.454 m */
-    {0, 0}, /* scaled share: 0 */
+    {0, 0}, /* MDS share: 0 */
 };

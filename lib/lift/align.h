@@ -39,7 +39,7 @@ static int reverse_left_handed(matrix3 *m)
 
 void edml_align(point x[EDML_JOINTS], const point onto[EDML_JOINTS], const edml_model *model)
 {
-    const real share = PARAM(model->scaled_share);
+    const real share = PARAM(model->mds_share);
     matrix3 rotation, m = sum_products(onto, x);
     const int reflected = reverse_left_handed(&m);
     const int found = nearest_rotation(&rotation, &m);

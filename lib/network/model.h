@@ -60,9 +60,9 @@ struct edml_model {
     /* What was measured with it. */
     uint8_t objective; /* edml_objective */
     uint8_t refine_steps;
-    edml_number mirror[5];    /* weights of arms, forearms, head, thighs, shins: lift/mirror.h */
-    edml_number fusion[3];    /* share, without gates; misfit^2, 1 / distance: lift/fuse.h */
-    edml_number scaled_share; /* of the points of the MDS, in the mean with its own: lift/align.h */
+    edml_number mirror[5]; /* weights of arms, forearms, head, thighs, shins: lift/mirror.h */
+    edml_number fusion[3]; /* share, without gates; misfit^2, 1 / distance: lift/fuse.h */
+    edml_number mds_share; /* of the points of the MDS, in the mean with its own: lift/align.h */
 };
 
 enum { FUSION_SHARE, FUSION_SQUARE, FUSION_NEARNESS };

@@ -11,8 +11,8 @@ static edml_model model;
 static void set_share(float share)
 {
     model = edml_distances_f32;
-    model.scaled_share.f32 = share;
-    model.scaled_share.q24 = (int32_t)(share * 16777216.0F);
+    model.mds_share.f32 = share;
+    model.mds_share.q24 = (int32_t)(share * 16777216.0F);
 }
 
 static void centre(edml_point p[EDML_JOINTS])

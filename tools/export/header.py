@@ -238,7 +238,7 @@ const edml_model edml_{model} = {{
     {settings.refine_steps}, /* refinement steps */
     {{{mirror}}}, /* mirror */
     {{{fusion}}}, /* fusion: share {share:g}, misfit {misfit:g} m, distance {distance:g} m */
-    {number_text(settings.scaled_share)}, /* scaled share: {settings.scaled_share:g} */
+    {number_text(settings.mds_share)}, /* MDS share: {settings.mds_share:g} */
 }};
 """
 

@@ -83,7 +83,7 @@ def equivariant_kind(model: str, reads: Sequence[str], gives: Sequence[str], *ne
 
 
 DISTANCES = equivariant_kind(
-    "distances", ["BODY", "DISTANCES"], ["DISTANCES", "POINTS"], "scaled_share"
+    "distances", ["BODY", "DISTANCES"], ["DISTANCES", "POINTS"], "mds_share"
 )
 DIRECT = equivariant_kind("direct", ["BODY"], ["POINTS"])
 FCONN = Kind("fconn", "fconn", dense_text, DENSE, check_layers)

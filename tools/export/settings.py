@@ -44,7 +44,7 @@ class ModelSettings:
     mirror: Sequence[float] = (0, 0, 0, 0, 0)
     missing: str = "zero"  # what joints that are not seen are, one of MISSING
     fusion: Mapping[str, float] = dataclasses.field(default_factory=lambda: dict(NO_FUSION))
-    scaled_share: float = 0.0  # of the points of the MDS in the mean with the network's
+    mds_share: float = 0.0  # of the points of the MDS in the mean with the network's
     recipe: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # at least name and seed
     data: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     metrics: Mapping[str, float] = dataclasses.field(default_factory=dict)  # column -> mm
@@ -64,8 +64,8 @@ class ModelSettings:
         fewest = FEWEST_TO_ORIENT if self.missing == "zero" else len(JOINTS) - MAX_IMPUTED
         check_setting("fewest_joints", self.fewest_joints >= fewest, f"{fewest} or more")
         check_setting("fusion", is_fusion(self.fusion), FUSION_RANGES)
-        share = is_real(self.scaled_share) and 0 <= self.scaled_share <= 1
-        check_setting("scaled_share", share, "0 to 1")
+        share = is_real(self.mds_share) and 0 <= self.mds_share <= 1
+        check_setting("mds_share", share, "0 to 1")
         for name in ("recipe", "data", "calibration", *METRICS.values()):
             check_setting(name, isinstance(getattr(self, name), Mapping), "an object")
         for name in METRICS.values():

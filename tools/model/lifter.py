@@ -89,8 +89,8 @@ def poses(params: Params, image: Image, output: Output) -> jax.Array:
     """Poses [B,14,3] in camera axes, about the mean of the seen joints."""
     points = output.points
     if output.distances is not None:
-        scaled = jax_stages.align(jax_stages.classical_mds(output.distances), points)
-        points = points + jax.nn.sigmoid(params["scaled_share"]) * (scaled - points)
+        aligned = jax_stages.align(jax_stages.classical_mds(output.distances), points)
+        points = points + jax.nn.sigmoid(params["mds_share"]) * (aligned - points)
     shares = jax_stages.gate_shares(output.gates)
     points = jax_stages.fuse(points, image, shares, params["fusion"])
     return jax_stages.turned_back(points, image.down)
@@ -110,4 +110,4 @@ def init(
         bias = np.concatenate([mean[PAIR_MIRROR].mean(1), bias])
     params = equivariant.init(layout(kind), hidden, bias, inputs, seed)
     params |= {"fusion": jax_stages.FUSION}
-    return params | ({"scaled_share": jnp.zeros(())} if kind == "distances" else {})
+    return params | ({"mds_share": jnp.zeros(())} if kind == "distances" else {})

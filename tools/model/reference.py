@@ -45,7 +45,7 @@ class Model:
     objective: str = "none"
     refine_steps: int = 0
     mirror: np.ndarray | None = None  # five weights, of a network that gives distances alone
-    scaled_share: float = 0.0
+    mds_share: float = 0.0
     imputation: np.ndarray | None = None  # of body_frame()
 
     @property
@@ -59,7 +59,7 @@ def read_model(weights: Path) -> Model:
     manifest = json.loads(weights.with_suffix(".json").read_text("utf-8"))
     with np.load(weights) as arrays:
         layers = [(arrays[f"weight{n}"], arrays[f"bias{n}"]) for n in range(len(arrays) // 2)]
-    names = ("fewest_joints", "objective", "refine_steps", "fusion", "scaled_share")
+    names = ("fewest_joints", "objective", "refine_steps", "fusion", "mds_share")
     picked = {name: manifest[name] for name in names if name in manifest}
     mirror = np.array(manifest["mirror"]) if "mirror" in manifest else None
     imputed = imputation() if manifest["missing"] == "imputed" else None
@@ -570,7 +570,7 @@ def lift(
         if said.points is None:
             points, _ = mirror(orient(points, image), model.mirror)
         else:
-            points = align(points, said.points, model.scaled_share)
+            points = align(points, said.points, model.mds_share)
     settings = {name: model.fusion[name] for name in ("misfit", "distance")}
     points, misfit = fuse(points, image, said.share, **settings)
     pose = turned(points, image.down * [-1, 1])

@@ -63,7 +63,7 @@ def distance_losses(recipe: Recipe) -> tuple[Loss, Loss]:
 
     def mds_loss(params: Params, batch: Views, key: jax.Array) -> tuple[jax.Array, Params]:
         image, predicted, observed = forward(params, batch, key)
-        pose = scaled_poses(params, image, predicted, batch.truth)
+        pose = mds_poses(params, image, predicted, batch.truth)
         error = jax_stages.joint_errors(pose, batch.truth).mean()
         if recipe.rigid < 1:
             in_camera = jax_stages.camera_errors(pose, batch.truth).mean()
@@ -74,7 +74,7 @@ def distance_losses(recipe: Recipe) -> tuple[Loss, Loss]:
     return l2_loss, mds_loss
 
 
-def scaled_poses(
+def mds_poses(
     params: Params, image: jax_stages.Image, distances: jax.Array, truth: jax.Array
 ) -> jax.Array:
     """Poses [B,14,3] of distances [B,91], the true mirror image; without the fuse stage in the axes
@@ -211,7 +211,7 @@ def block_errors(recipe: Recipe, params: Params, views: Views) -> tuple[jax.Arra
     if better := recipe.network in NETWORKS:
         image = jax_stages.body_frame(views.keypoints, imputation_of(recipe))
         distances = predict_block(recipe, params, views.keypoints)
-        pose = scaled_poses(params, image, distances, views.truth)
+        pose = mds_poses(params, image, distances, views.truth)
     else:
         pose, _ = lift(recipe, params, views)
     return mean_errors(pose, views.truth, better)

@@ -75,8 +75,8 @@ def distance_settings(run: Run, views: list[Views]) -> dict[str, Any]:
 def lifter_settings(run: Run, views: list[Views]) -> dict[str, Any]:
     """Of an equivariant network, which chooses the mirror image itself."""
     settings: dict[str, Any] = {"fusion": fusion_settings(run.params)}
-    if "scaled_share" in run.params:
-        settings["scaled_share"] = round(float(jax.nn.sigmoid(run.params["scaled_share"])), 4)
+    if "mds_share" in run.params:
+        settings["mds_share"] = round(float(jax.nn.sigmoid(run.params["mds_share"])), 4)
     return settings | {"silent_units": silent_units(run, views)}
 
 

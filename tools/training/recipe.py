@@ -50,16 +50,16 @@ class Recipe:
 
 
 # Through the distances to the MDS and nothing else: the paper's networks, better trained.
-_SCALED = {"direction_weight": 0.0, "flexion_weight": 0.0, "straight_weight": 0.0}
-_SCALED |= {"rigid": 0.7, "redefined": 0.0}
+_MDS = {"direction_weight": 0.0, "flexion_weight": 0.0, "straight_weight": 0.0}
+_MDS |= {"rigid": 0.7, "redefined": 0.0}
 
 RECIPES = {
     "distances": Recipe(),
     "direct": Recipe(network="direct", hidden=(88, 88, 88), pose_epochs=1800),
-    "fconn": Recipe(network="fconn", l2_epochs=41, pose_epochs=209, **_SCALED),
-    "fconv": Recipe(network="fconv", l2_epochs=5, pose_epochs=25, **_SCALED | {"rigid": 1.0}),
+    "fconn": Recipe(network="fconn", l2_epochs=41, pose_epochs=209, **_MDS),
+    "fconv": Recipe(network="fconv", l2_epochs=5, pose_epochs=25, **_MDS | {"rigid": 1.0}),
     "l2": Recipe(
-        network="fconn", l2_epochs=1000, pose_epochs=0, **_SCALED | {"rigid": 1.0, "fuse": False}
+        network="fconn", l2_epochs=1000, pose_epochs=0, **_MDS | {"rigid": 1.0, "fuse": False}
     ),
     # Section 3.2 of the paper: L2, Adam, batches of 200, dropout 0.5, 500 epochs, the rate
     # divided by ten after 250; no noise or occlusion unless asked for.
@@ -83,7 +83,7 @@ RECIPES = {
         adapted=0.0,
         near=0.0,
         balance=0.0,
-        **_SCALED | {"rigid": 1.0, "fuse": False},
+        **_MDS | {"rigid": 1.0, "fuse": False},
     ),
 }
 

@@ -510,7 +510,7 @@ def test_model(header: Path) -> None:
         f"{{0x1p1F, {2 << 24}}}, {{0, 0}}}}, /* mirror */",
         f"    {{{{0x1.8p-1F, {3 << 22}}}, {{0x1p-2F, {1 << 22}}}, {{0x1p-2F, {1 << 22}}}}}, "
         "/* fusion: share 0.75, misfit 0.5 m, distance 4 m */",
-        "    {0, 0}, /* scaled share: 0 */",
+        "    {0, 0}, /* MDS share: 0 */",
         "};",
     ]
 
@@ -883,8 +883,8 @@ def test_mat_without_a_network(tmp_path: Path, capsys) -> None:
         ({"fusion": {"share": 0.5, "misfit": 0.1, "distance": 2.9}}, "fusion must be"),
         ({"fusion": {"share": float("nan"), "misfit": 0.1, "distance": 4}}, "fusion must be"),
         ({"fusion": {"weight": 0.5, "misfit": 0.1, "distance": 4}}, "fusion must be"),
-        ({"scaled_share": 1.5}, "scaled_share must be 0 to 1"),
-        ({"scaled_share": None}, "scaled_share must be 0 to 1"),
+        ({"mds_share": 1.5}, "mds_share must be 0 to 1"),
+        ({"mds_share": None}, "mds_share must be 0 to 1"),
         ({"metrics": {"gt": "45"}}, "metrics must be numbers by column"),
         ({"metrics_w8": {"gt": None}}, "metrics_w8 must be numbers by column"),
         ({"calibration": []}, "calibration must be an object"),

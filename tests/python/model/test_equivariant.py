@@ -25,7 +25,7 @@ from training.views import Views, draw_2d
 HIDDEN = (40, 56)
 POSITIONS = 5e-5  # metres
 FUSION = {"share": 1.0, "misfit": 0.5, "distance": 4.0}
-MANIFEST = {"fewest_joints": 10, "missing": "imputed", "fusion": FUSION, "scaled_share": 0.25}
+MANIFEST = {"fewest_joints": 10, "missing": "imputed", "fusion": FUSION, "mds_share": 0.25}
 FORMS = ("w16", "w8")
 
 
@@ -43,7 +43,7 @@ class Net(NamedTuple):
 
     @property
     def model(self) -> reference.Model:
-        settings = {name: MANIFEST[name] for name in ("fewest_joints", "fusion", "scaled_share")}
+        settings = {name: MANIFEST[name] for name in ("fewest_joints", "fusion", "mds_share")}
         return reference.Model(self.layers, imputation=constants.imputation(), **settings)
 
 
@@ -73,7 +73,7 @@ def net(request, views, image) -> Net:
     }
     rows = equivariant.forward(params, known, inputs[:, : known.even], inputs[:, known.even :])
     params["weight2"] /= np.abs(rows[0] - params["bias2"]).max()
-    params |= {"fusion": jnp.log(jnp.array([0.5, 4.0])), "scaled_share": -jnp.log(3.0)}
+    params |= {"fusion": jnp.log(jnp.array([0.5, 4.0])), "mds_share": -jnp.log(3.0)}
     arrays = equivariant.to_arrays(params, known)
     layers = [
         Layer(*(arrays[f"{part}{k}"].astype(np.float32) for part in ("weight", "bias")))
@@ -353,7 +353,7 @@ def test_the_model_says_what_it_reads_and_gives(folder, net):
         "    {{0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}}, /* mirror */",
         f"    {{{{0x1p0F, {1 << 24}}}, {{0x1p-2F, {1 << 22}}}, {{0x1p-2F, {1 << 22}}}}}, "
         "/* fusion: share 1, misfit 0.5 m, distance 4 m */",
-        f"    {{0x1p-2F, {1 << 22}}}, /* scaled share: 0.25 */",
+        f"    {{0x1p-2F, {1 << 22}}}, /* MDS share: 0.25 */",
         "};",
     ]
     outputs = "147" if of_distances else "56"
@@ -412,7 +412,7 @@ def test_a_manifest_must_have_what_the_kind_needs(folder, net, capsys):
     (folder / "net.json").write_text(json.dumps({"missing": "imputed"}))
     assert cli.main([str(folder / "net.npz"), "--out", str(folder / "x.h")]) == 1
     needs = "fewest_joints, fusion"
-    needs += ", scaled_share" if net.kind.model == "distances" else ""
+    needs += ", mds_share" if net.kind.model == "distances" else ""
     assert f"net.json lacks {needs}\n" in capsys.readouterr().err
 
 

@@ -18,7 +18,7 @@ from export.settings import read_settings
 from model import constants, fconn, fconv, jax_stages, layout, reference
 from model.manifest import NEAREST
 from training import manifest, mirror, views
-from training.loss import scaled_poses
+from training.loss import mds_poses
 from training.recipe import MAX_MISSING, RECIPES, Recipe, scale_epochs
 from training.run import Run, split
 
@@ -247,7 +247,7 @@ def test_the_command_trains_an_equivariant_network(tmp_path, kind):
     assert arrays["weight0"].shape == (known.even + known.odd, 88)
     assert len(arrays[f"bias{layers - 1}"]) == len(known.has_even)
     assert len(arrays) == 2 * layers
-    assert ("scaled_share" in written) == (kind == "distances")
+    assert ("mds_share" in written) == (kind == "distances")
     assert written["fusion"]["share"] == 1 and written["fusion"]["distance"] >= NEAREST
     assert not {"mirror", "objective", "max_aspect"} & written.keys()
     silent = written["silent_units"]
@@ -261,7 +261,7 @@ def test_the_command_trains_the_papers_network(tmp_path):
     written, arrays, _ = trained(tmp_path, "fconn")
     assert len(written["mirror"]) == 5 and 0 < written["fusion"]["share"] < 1
     assert written["objective"] in ("none", "square", "raw", "eq2")
-    assert "silent_units" not in written and "scaled_share" not in written
+    assert "silent_units" not in written and "mds_share" not in written
     assert arrays["weight0"].shape == (91, 128) and arrays["bias2"].shape == (91,)
 
 
@@ -283,7 +283,7 @@ def test_orienting_and_fusing_are_the_references():
     image = jax_stages.body_frame(seen.keypoints, table)
     params = {"fusion": jax_stages.FUSION, "share": jnp.array(0.4)}
     given = jnp.asarray(distances, jnp.float32)
-    mine = np.asarray(scaled_poses(params, image, given, seen.truth), float)
+    mine = np.asarray(mds_poses(params, image, given, seen.truth), float)
     settings = manifest.fusion_settings(params)
     share = np.full(14, settings.pop("share"))
     for pose, d, keypoints, true in zip(mine, distances, seen.keypoints, seen.truth, strict=True):
@@ -301,7 +301,7 @@ def test_the_fusion_is_trained_along():
         run.advance(run.draw(run.epoch))
     assert not np.array_equal(run.params["fusion"], jax_stages.FUSION)
     assert manifest.fusion_settings(run.params)["share"] == 1
-    assert float(run.params["scaled_share"]) != 0
+    assert float(run.params["mds_share"]) != 0
     plain = dataclasses.replace(SHORT, network="fconn", fuse=False)
     without = Run([people()], dataclasses.replace(plain, rigid=1.0), 7)
     assert "fusion" not in without.params
