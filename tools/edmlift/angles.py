@@ -8,14 +8,12 @@ camera.  NaN comes out where a pose is NaN, or where what is asked has no direct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from edmlift.joints import INDEX, PARENT, mid_hip
+from edmlift.joints import HINGES, INDEX, mid_hip
 
 LEVEL = (0.0, -1.0, 0.0)  # up before a level camera
 BENDING = ("right_elbow", "left_elbow", "right_knee", "left_knee")  # in the order of flexion()
 
-_AT = [INDEX[name] for name in BENDING]
-_BEFORE = PARENT[_AT]  # shoulders and hips
-_BEHIND = [int(np.flatnonzero(np.equal(PARENT, joint))[0]) for joint in _AT]  # wrists and ankles
+_BEFORE, _AT, _BEHIND = np.array(HINGES).T
 _TOWARDS_CAMERA = np.array([0.0, 0.0, -1.0])
 
 

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
-from edmlift.joints import BONES
+from edmlift.joints import BONES, HINGES
 from model import fconn, fconv, jax_stages, lifter
 from training.recipe import Recipe
 from training.views import Views, imputation_of
@@ -123,7 +123,6 @@ def pose_errors(recipe: Recipe, pose: jax.Array, truth: jax.Array) -> jax.Array:
 
 
 STARTS, ENDS = np.array(BONES).T
-HINGES = np.array([(2, 3, 4), (5, 6, 7), (8, 9, 10), (11, 12, 13)])  # elbows, knees
 
 
 def direction_errors(pose: jax.Array, truth: jax.Array) -> jax.Array:
@@ -139,7 +138,7 @@ def direction_errors(pose: jax.Array, truth: jax.Array) -> jax.Array:
 
 def flexions(points: jax.Array) -> jax.Array:
     """Flexion of elbows and knees, radians: [B,14,3] -> [B,4], 0 is straight."""
-    before, at, after = (points[:, HINGES[:, k]] for k in range(3))
+    before, at, after = (points[:, side] for side in np.array(HINGES).T)
     upper, lower = at - before, after - at
     sine = jnp.sqrt(jnp.sum(jnp.cross(upper, lower) ** 2, -1) + 1e-10)
     return jnp.arctan2(sine, jnp.sum(upper * lower, -1))
