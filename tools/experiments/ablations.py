@@ -40,7 +40,7 @@ NOTHING = -1e6  # a gate that leaves the image alone
 
 @dataclasses.dataclass(frozen=True)
 class Part(Recipe):
-    """A recipe of an equivariant network; "frame", "mask", "gates", "image" or "scaling" is what
+    """A recipe of an equivariant network; "frame", "mask", "gates", "image" or "mds" is what
     it goes without."""
 
     without: str = ""
@@ -66,7 +66,7 @@ ABLATIONS: dict[str, Recipe] = {
     "distances": part("distances"),
     "distances: in the image's own axes": part("distances", without="frame"),
     "distances: one gate for all joints": part("distances", without="gates"),
-    "distances: read and learned, not scaled": part("distances", without="scaling"),
+    "distances: read and learned, without the MDS": part("distances", without="mds"),
     "direct": part("direct"),
     "direct: in the image's own axes": part("direct", without="frame"),
     "direct: one gate for all joints": part("direct", without="gates"),
@@ -95,7 +95,7 @@ def lift(recipe: Part, params: Params, views: Views) -> tuple[jax.Array, lifter.
         output = output._replace(gates=params["share"] * jnp.ones_like(output.gates))
     elif recipe.without == "image":
         output = output._replace(gates=jnp.full_like(output.gates, NOTHING))
-    kept = output._replace(distances=None) if recipe.without == "scaling" else output
+    kept = output._replace(distances=None) if recipe.without == "mds" else output
     return lifter.poses(params, image, kept), output
 
 

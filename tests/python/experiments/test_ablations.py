@@ -51,7 +51,7 @@ def test_with_all_its_parts_it_is_the_lift_of_training():
 @pytest.mark.parametrize(
     ("kind", "name"),
     [(kind, name) for kind in ("distances", "direct") for name in ("frame", "gates", "mask")]
-    + [("direct", "image"), ("distances", "scaling")],
+    + [("direct", "image"), ("distances", "mds")],
 )
 def test_a_part_that_is_left_out_is_missed_and_its_loss_falls(kind, name):
     recipe = recipe_without(kind, name)
