@@ -56,6 +56,10 @@ typedef struct {
     uint8_t p, q;
 } edml_jacobi_rotation_q;
 
+typedef struct { /* Q24 */
+    int32_t cosine, sine;
+} edml_plane_rotation_q;
+
 /* Work memory of a lift, as edml_work. */
 typedef struct {
     edml_image_q image;
@@ -66,14 +70,17 @@ typedef struct {
     } io;
     union {
         int32_t layer[2][192];
-        edml_jacobi_rotation_q rotation[320];
+        struct {
+            edml_plane_rotation_q sweep[132];
+            edml_jacobi_rotation_q jacobi[12];
+        } rotation;
         edml_point_q24 step[4][EDML_JOINTS];
     } scratch;
 } edml_work_q;
 
 typedef struct { /* of a lift with FConv: 11 KB */
     edml_work_q lift;
-    int32_t more_scratch[1764];
+    int32_t more_scratch[2020];
 } edml_fconv_work_q;
 
 size_t edml_model_work_bytes_q(const edml_model *model); /* for edml_lift_q(); 0: not for that lift */

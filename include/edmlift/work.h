@@ -31,6 +31,10 @@ typedef struct { /* one of edml_jacobi() */
     uint8_t p, q;
 } edml_jacobi_rotation;
 
+typedef struct { /* of two axes */
+    float cosine, sine;
+} edml_plane_rotation;
+
 typedef struct {
     edml_image image;
     edml_prediction prediction;
@@ -42,14 +46,17 @@ typedef struct {
     union {
         float layer[2][192];
         int32_t integer_layer[2][192];
-        edml_jacobi_rotation rotation[320];
+        struct { /* edml_mds(): four sweeps for each of three eigenvalues */
+            edml_plane_rotation sweep[132];
+            edml_jacobi_rotation jacobi[12];
+        } rotation;
         edml_point step[4][EDML_JOINTS];
     } scratch;
 } edml_work;
 
 typedef struct {
     edml_work lift;
-    float more_scratch[3844];
+    float more_scratch[4100];
 } edml_fconv_work; /* with FConv: 19 KB */
 
 #ifdef __cplusplus

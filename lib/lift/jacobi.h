@@ -12,19 +12,6 @@
 
 enum { SWEEPS = 12 }; /* six are usual */
 
-/* Bits of the three largest diagonal entries. */
-static uint16_t three_largest(real a[][EDML_JOINTS], int order)
-{
-    uint16_t chosen = 0;
-    for (int n = 0; n < 3; n++) {
-        int best = -1;
-        for (int i = 0; i < order; i++)
-            if (!(chosen >> i & 1) && (best < 0 || a[i][i] > a[best][best])) best = i;
-        chosen = (uint16_t)(chosen | 1U << best);
-    }
-    return chosen;
-}
-
 /* Rotates a pair of matrix or vector entries by the angle of (cosine, sine). */
 static void rotate_pair(real *p, real *q, real cosine, real sine)
 {
@@ -58,32 +45,16 @@ static edml_jacobi_rotation annihilate(real a[][EDML_JOINTS], int order, int p, 
     return done;
 }
 
-/* Rotation thresholds: which entries are skipped.  An entry is skipped if it is <= `unwanted` and neither
- * of its indices is among the three wanted axes, those of the largest diagonal entries: it perturbs their
- * eigenvectors only to second order.  Any other is skipped if it is <= `wanted`, unless two eigenvalues are
- * so near to each other that this would leave an eigenvector rotated by over `angle`, radians.  It is
- * skipped in any case if it is <= `rounding`. */
-typedef struct {
-    real unwanted, wanted, rounding, angle;
-} jacobi_thresholds;
-
-/* Stops after SWEEPS sweeps or `room` rotations; returns the number of rotations.  The difference of two
- * diagonal entries is at most sqrt(2) times the Frobenius norm. */
-static int diagonalise(edml_jacobi_rotation done[], int room, real a[][EDML_JOINTS], int order,
-                       jacobi_thresholds threshold)
+/* Skips entries of up to `least`.  Stops after SWEEPS sweeps or `room` rotations; returns the number of
+ * rotations. */
+static int diagonalise(edml_jacobi_rotation done[], int room, real a[][EDML_JOINTS], int order, real least)
 {
     int count = 0;
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
         const int before = count;
-        const uint16_t wanted = three_largest(a, order);
         for (int p = 0; p < order; p++) {
             for (int q = p + 1; q < order; q++) {
-                const int free = !((wanted >> p | wanted >> q) & 1);
-                const real size = ABS(a[p][q]);
-                if (size <= (free ? threshold.unwanted : threshold.wanted) &&
-                    (free || size <= threshold.rounding ||
-                     size <= MUL(threshold.angle, ABS(a[p][p] - a[q][q]))))
-                    continue;
+                if (ABS(a[p][q]) <= least) continue;
                 if (count == room) return count;
                 done[count++] = annihilate(a, order, p, q);
             }
@@ -125,8 +96,7 @@ void edml_jacobi(edml_eigen *eigen, const edml_matrix *a)
         }
     }
     const real least = MUL(scale, REAL(5.9604644775390625e-8)) + EPSILON; /* 2^-24: rounding */
-    const jacobi_thresholds threshold = {least, least, least, 0};
-    const int count = diagonalise(eigen->rotation, ROOM, eigen->vector, EDML_JOINTS, threshold);
+    const int count = diagonalise(eigen->rotation, ROOM, eigen->vector, EDML_JOINTS, least);
 
     uint8_t axis[EDML_JOINTS];
     for (int i = 0; i < EDML_JOINTS; i++) { /* insertion sort, stable */

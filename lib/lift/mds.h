@@ -5,14 +5,9 @@
 #ifndef EDML_MDS_H
 #define EDML_MDS_H
 
+#include "householder.h"
 #include "jacobi.h"
-
-/* The thresholds of jacobi.h, the first three relative to the largest entry of the Gram matrix.
- * test_mds.c measures their effect on the points. */
-#define MDS_ROUNDING REAL(5.9604644775390625e-8) /* 2^-24: rounding */
-#define MDS_WANTED REAL(3.814697265625e-6)       /* 2^-18 */
-#define MDS_UNWANTED REAL(0.0078125)             /* 2^-7 */
-#define MDS_ANGLE REAL(0.0001220703125)          /* 2^-13 */
+#include "tridiagonal.h"
 
 /* Double centring: the Gram matrix J A J of centred points, A = -D^2/2, has the null vector
  * (1, ..., 1).  Instead of subtracting means, reflect that vector onto the last axis: I - u u'/h
@@ -21,93 +16,107 @@
 #define ALPHA REAL(0.26726124191242438)       /* 1/sqrt(14) */
 #define HOUSEHOLDER REAL(0.21089672205953698) /* ALPHA / (1 + ALPHA) */
 
-/* gram: upper triangle of order 13.  D <= 3 m: entries before centring <= 4.5 m^2, row sums <= 58.5,
- * Frobenius norm <= 4.5 sqrt(182) = 60.7, which no projection or rotation makes larger. */
-static void reduced_gram(real gram[][EDML_JOINTS], const real distance[EDML_PAIRS])
+/* gram: upper triangle of order 13, row by row.  D <= 3 m: entries before centring <= 4.5 m^2, row sums
+ * <= 58.5, Frobenius norm <= 4.5 sqrt(182) = 60.7, which no projection or rotation makes larger. */
+static void reduced_gram(real gram[TRIANGLE], const real distance[EDML_PAIRS])
 {
     enum { LAST = EDML_JOINTS - 1 };
-    real row_sum[EDML_JOINTS] = {0};
-    const real *d = distance;
-    for (int i = 0; i < EDML_JOINTS; i++) {
-        gram[i][i] = 0;
-        for (int j = i + 1; j < EDML_JOINTS; j++, d++) {
-            const real entry = -MUL(*d, *d) / 2;
-            gram[i][j] = entry;
+    real row_sum[EDML_JOINTS] = {0}, last[EDML_JOINTS] = {0};
+    real *g = gram;
+    for (int i = 0; i < LAST; i++) {
+        *g++ = 0;
+        for (int j = i + 1; j < EDML_JOINTS; j++, distance++) {
+            const real entry = -MUL(*distance, *distance) / 2;
             row_sum[i] += entry;
             row_sum[j] += entry;
+            if (j < LAST)
+                *g++ = entry;
+            else
+                last[i] = entry;
         }
     }
     /* A' = A - u q' - q u', q = p - (u'p / 2h) u, p = A u / h */
     real *const p = row_sum;
     real along = 0; /* u'p / h */
     for (int i = 0; i < EDML_JOINTS; i++) {
-        p[i] = MUL(HOUSEHOLDER, row_sum[i]) + MUL(REAL(1.0) - HOUSEHOLDER, gram[i][LAST]);
+        p[i] = MUL(HOUSEHOLDER, row_sum[i]) + MUL(REAL(1.0) - HOUSEHOLDER, last[i]);
         along += i < LAST ? MUL(HOUSEHOLDER, p[i]) : p[i];
     }
+    for (int i = 0; i < LAST; i++) p[i] = MUL(ALPHA, p[i] - MUL(ALPHA, along) / 2); /* q */
+    g = gram;
     for (int i = 0; i < LAST; i++)
-        for (int j = i; j < LAST; j++) gram[i][j] -= MUL(ALPHA, p[i] + p[j] - MUL(ALPHA, along));
+        for (int j = i; j < LAST; j++) *g++ -= p[i] + p[j];
 }
 
-static real largest_entry(real a[][EDML_JOINTS], int order)
+/* Undoes the reflection: 13 points in the reduced basis become 14, of the joints. */
+static void expand(point y[EDML_JOINTS])
 {
-    real largest = 0;
-    for (int i = 0; i < order; i++)
-        for (int j = i; j < order; j++)
-            if (ABS(a[i][j]) > largest) largest = ABS(a[i][j]);
-    return largest;
+    point sum = y[0];
+    for (int i = 1; i < EDML_JOINTS - 1; i++) sum = plus(sum, y[i]);
+    const point shift = times(HOUSEHOLDER, sum), part = times(ALPHA, shift), zero = {0, 0, 0};
+    for (int i = 0; i < EDML_JOINTS - 1; i++) y[i] = minus(y[i], part);
+    y[EDML_JOINTS - 1] = minus(minus(zero, shift), part);
 }
 
-/* Undoes the reflection: 13 entries of y in the reduced basis become 14, of the joints. */
-static void expand(real y[EDML_JOINTS])
+enum { MOST_SWEEPS = 4 };        /* for an eigenvalue; one is usual */
+#define SPLIT REAL(9.5367432e-7) /* 2^-20: beside a norm of 1 this is nothing */
+
+/* Splits the largest eigenvalue off at the head of a band of order n.  Returns the norm by which the rest of
+ * the band is divided, and the number of sweeps. */
+static real split_largest(edml_plane_rotation *done, int *sweeps, real *band, int n)
 {
-    real sum = 0;
-    for (int i = 0; i < EDML_JOINTS - 1; i++) sum += y[i];
-    const real shift = MUL(HOUSEHOLDER, sum);
-    for (int i = 0; i < EDML_JOINTS - 1; i++) y[i] -= MUL(ALPHA, shift);
-    y[EDML_JOINTS - 1] = -shift - MUL(ALPHA, shift);
+    const real norm = divide_by_norm(band, n);
+    *sweeps = 0;
+    if (!(norm > 0)) return 0;
+    const real eigenvalue = largest_eigenvalue(band, n);
+    do {
+        sweep(done + *sweeps * (n - 1), band, n, eigenvalue);
+        ++*sweeps;
+    } while (*sweeps < MOST_SWEEPS && ABS(band[1]) > SPLIT);
+    return norm;
 }
 
-static void set_coordinate(point *p, int axis, real value)
+/* y: the three largest eigenvectors, each as long as the root of its eigenvalue, a coordinate each. */
+static void three_largest(point y[EDML_JOINTS], real *gram, edml_work *work)
 {
-    if (axis == 0)
-        p->x = value;
-    else if (axis == 1)
-        p->y = value;
-    else
-        p->z = value;
+    real *const band = gram + TRIANGLE, (*const leading)[EDML_JOINTS] = &work->io.matrix[11];
+    edml_plane_rotation *done = work->scratch.rotation.sweep;
+    real scale = REAL(1.0);
+    int sweeps[3];
+    tridiagonalise(gram, band);
+    for (int k = 0; k < 3; k++) {
+        scale = MUL(scale, split_largest(done, &sweeps[k], band + 2 * k, ORDER - k));
+        done += sweeps[k] * (ORDER - 1 - k);
+        for (int j = 0; j < 3; j++) leading[k][j] = 0;
+        leading[k][k] = MUL(scale, band[2 * k]);
+        if (k < 2) leading[k][k + 1] = MUL(scale, band[2 * k + 1]);
+    }
+    const real least = MUL(leading[0][0], REAL(5.9604644775390625e-8)) + EPSILON; /* 2^-24: rounding */
+    const int count = diagonalise(work->scratch.rotation.jacobi, 12, leading, 3, least);
+    for (int k = 0; k < 3; k++) {
+        const real length = leading[k][k] > 0 ? SQRT(leading[k][k]) : 0; /* negative: clamped */
+        for (int j = 0; j < 3; j++) leading[k][j] = j == k ? length : 0;
+    }
+    back_transform(leading, 3, work->scratch.rotation.jacobi, count);
+    const point zero = {0, 0, 0};
+    for (int i = 0; i < ORDER; i++) y[i] = zero;
+    for (int i = 0; i < 3; i++) {
+        y[i].x = leading[0][i];
+        y[i].y = leading[1][i];
+        y[i].z = leading[2][i];
+    }
+    for (int k = 2; k >= 0; k--)
+        for (int n = sweeps[k]; n > 0; n--)
+            for (int i = k; i < ORDER - 1; i++) rotate_points(&y[i + 1], &y[i], *--done);
+    undo_reflections(y, gram);
 }
 
 void edml_mds(point x[EDML_JOINTS], const real distance[EDML_PAIRS], edml_work *work)
 {
-    enum {
-        ORDER = EDML_JOINTS - 1,
-        ROOM = (int)(sizeof work->scratch.rotation / sizeof work->scratch.rotation[0])
-    };
-    real(*gram)[EDML_JOINTS] = work->io.matrix;
+    real *const gram = work->io.values;
     reduced_gram(gram, distance);
-    const real scale = largest_entry(gram, ORDER);
-    const jacobi_thresholds threshold = {MUL(MDS_UNWANTED, scale) + EPSILON,
-                                         MUL(MDS_WANTED, scale) + EPSILON,
-                                         MUL(MDS_ROUNDING, scale) + EPSILON, MDS_ANGLE};
-    const int count = diagonalise(work->scratch.rotation, ROOM, gram, ORDER, threshold);
-    int axis[3];
-    real length[3];
-    for (int k = 0; k < 3; k++) {
-        axis[k] = 0;
-        for (int i = 1; i < ORDER; i++)
-            if (gram[i][i] > gram[axis[k]][axis[k]]) axis[k] = i;
-        const real value = gram[axis[k]][axis[k]];
-        length[k] = value > 0 ? SQRT(value) : 0; /* negative: clamped */
-        gram[axis[k]][axis[k]] = -scale;         /* taken */
-    }
-    real(*y)[EDML_JOINTS] = gram; /* a row a coordinate; the matrix has been read */
-    for (int k = 0; k < 3; k++)
-        for (int j = 0; j < EDML_JOINTS; j++) y[k][j] = j == axis[k] ? length[k] : 0;
-    back_transform(y, 3, work->scratch.rotation, count);
-    for (int k = 0; k < 3; k++) {
-        expand(y[k]);
-        for (int j = 0; j < EDML_JOINTS; j++) set_coordinate(&x[j], k, y[k][j]);
-    }
+    three_largest(x, gram, work);
+    expand(x);
 }
 
 #endif

@@ -10,6 +10,7 @@
 /* EDML_NOINLINE     keep out of line, so that its locals leave the stack before the caller calls deeper
  * EDML_ALIGN4       weights that may be loaded a word at a time
  * EDML_IS_ALIGNED4  may words be at this pointer?
+ * EDML_COUNT_ZEROS  before the highest bit of a word, where the processor has an instruction for it
  * EDML_INTERNAL     shared by the library's files, and not exported from a shared library */
 #ifdef __GNUC__
 #define EDML_NOINLINE __attribute__((noinline))
@@ -17,6 +18,9 @@
 #else
 #define EDML_NOINLINE
 #define EDML_ALIGN4
+#endif
+#if defined(__ARM_FEATURE_CLZ) || defined(__x86_64__) || defined(__aarch64__) || defined(__riscv_zbb)
+#define EDML_COUNT_ZEROS(n) __builtin_clz(n)
 #endif
 #define EDML_IS_ALIGNED4(pointer) (((uintptr_t)(pointer) & 3) == 0)
 #if defined(__GNUC__) && defined(__ELF__)

@@ -1,4 +1,4 @@
-/* Division and square root for real_q24.h.  Not part of the public interface.
+/* Products, division and square root for real_q24.h.  Not part of the public interface.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -15,5 +15,35 @@ EDML_INTERNAL int32_t edml__divide_q24(int32_t a, int32_t b);
 
 /* The largest r with r r <= n: exact. */
 EDML_INTERNAL uint32_t edml__root(uint64_t n);
+
+/* a b, exactly; and (a b + 2^23) >> 24, to the nearest, for |a b| < 2^55. */
+#if defined(__GNUC__) && !defined(__clang__) && (defined(__ARM_ARCH_6M__) || defined(__ARM_ARCH_8M_BASE__))
+#define EDML_MULTIPLY_V6M
+EDML_INTERNAL int64_t edml__product(int32_t a, int32_t b);
+EDML_INTERNAL int32_t edml__multiply_q24(int32_t a, int32_t b);
+#else
+static inline int64_t edml__product(int32_t a, int32_t b) { return (int64_t)a * b; }
+
+static inline int32_t edml__multiply_q24(int32_t a, int32_t b)
+{
+    return (int32_t)((edml__product(a, b) + (INT32_C(1) << 23)) >> 24);
+}
+#endif
+
+/* Zeros before the highest bit of n > 0. */
+static inline int edml__leading_zeros(uint32_t n)
+{
+#ifdef EDML_COUNT_ZEROS
+    return EDML_COUNT_ZEROS(n);
+#else
+    int zeros = 0;
+    for (int step = 16; step > 0; step /= 2) {
+        if (n >> (32 - step) != 0) continue;
+        n <<= step;
+        zeros += step;
+    }
+    return zeros;
+#endif
+}
 
 #endif

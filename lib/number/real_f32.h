@@ -9,6 +9,10 @@
  *   HYPOT NORM    length of a vector of two and of three
  *   ABS TRUNCATE  absolute value; a wide that is known to fit, as a real
  *   PRODUCT       of two reals, as a wide of finer fraction, for sums of up to 2^23
+ *   EXACT         of two reals, as a wide with all its bits, for sums of up to 2^15
+ *   FROM_EXACT, ROOT_OF_EXACT   such a sum as a real, and its square root, if it is >= 0
+ *   NORMALISE     multiplies x [n] by the power of 2 with which the largest |x| is in [1/2, 1), and
+ *                 returns the exponent; SHIFT multiplies a real.  A float needs neither
  *   SATURATE      a sum of PRODUCTs as a real, clamped to +-64
  *   IS_NEAR       is a squared distance below 64 m^2?  Beyond that a sum is WIDE_MAX, above all sums
  *   EPSILON       what rounding may leave of a zero, absolutely; a float's rounding is relative
@@ -47,6 +51,11 @@ typedef float wide;
 #define ABS(a) fabsf(a)
 #define TRUNCATE(sum) (sum)
 #define PRODUCT(a, b) ((a) * (b))
+#define EXACT(a, b) ((a) * (b))
+#define FROM_EXACT(sum) (sum)
+#define ROOT_OF_EXACT(sum) sqrtf(sum)
+#define NORMALISE(x, n) ((void)(x), (void)(n), 0)
+#define SHIFT(a, exponent) ((void)(exponent), (a))
 #define SATURATE(sum) (sum)
 #define IS_NEAR(square) 1
 #define WIDE_MAX HUGE_VALF

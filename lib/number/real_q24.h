@@ -19,15 +19,20 @@ typedef int64_t wide;
 #define REAL(constant) ((real)((constant) * 16777216.0 + 0.5)) /* folded by the compiler */
 #define Q12(a) ((real)(a) * 4096)
 #define EPSILON 8
-#define MUL(a, b) mul_q24(a, b)
-#define DIV(a, b) edml__divide_q24(a, b) /* error <= 1/2 unit in the last place */
-#define DIV12(a, b) divide_q12(a, b)     /* error <= 2^-12 (1 + a / b^2) */
-#define SQRT(a) sqrt_q24(a)              /* error < 1 unit, not too large */
-#define HYPOT(a, b) hypot_q24(a, b, 0)   /* error < 1 unit, not too large; result < 128 */
-#define NORM(a, b, c) hypot_q24(a, b, c) /* the same */
+#define MUL(a, b) edml__multiply_q24(a, b) /* to the nearest; |a b| < 128 */
+#define DIV(a, b) edml__divide_q24(a, b)   /* error <= 1/2 unit in the last place */
+#define DIV12(a, b) divide_q12(a, b)       /* error <= 2^-12 (1 + a / b^2) */
+#define SQRT(a) sqrt_q24(a)                /* error < 1 unit, not too large */
+#define HYPOT(a, b) hypot_q24(a, b, 0)     /* error < 1 unit, not too large; result < 128 */
+#define NORM(a, b, c) hypot_q24(a, b, c)   /* the same */
 #define ABS(a) ((a) < 0 ? -(a) : (a))
 #define TRUNCATE(sum) ((real)(sum))
 #define PRODUCT(a, b) product_q40(a, b)
+#define EXACT(a, b) edml__product(a, b)
+#define FROM_EXACT(sum) ((real)(((sum) + (INT32_C(1) << 23)) >> 24))
+#define ROOT_OF_EXACT(sum) ((real)edml__root((uint64_t)(sum)))
+#define NORMALISE(x, n) normalise_q24(x, n)
+#define SHIFT(a, exponent) shift_q24(a, exponent)
 #define SATURATE(sum) saturate_q40(sum)
 #define IS_NEAR(square) ((square) < INT32_C(64) << 24) /* m^2 */
 #define WIDE_MAX INT64_MAX
@@ -39,9 +44,6 @@ typedef char doubles_hold_24_fraction_bits[DBL_MANT_DIG >= 53 ? 1 : -1];
  * open. */
 typedef char shifts_are_arithmetic[(-3 >> 1) == -2 ? 1 : -1];
 
-/* To the nearest; |a b| < 128. */
-static inline real mul_q24(real a, real b) { return (real)(((int64_t)a * b + (INT32_C(1) << 23)) >> 24); }
-
 /* By one division of 32 bits: a >> 24 over b >> 12 is a Q12. */
 static inline real divide_q12(real a, real b)
 {
@@ -49,7 +51,7 @@ static inline real divide_q12(real a, real b)
     return ((a + divisor / 2) / divisor) * 4096; /* a + divisor / 2 < 2^31 for a < 127 */
 }
 
-static inline wide product_q40(real a, real b) /* rounded down */ { return ((int64_t)a * b) >> 8; }
+static inline wide product_q40(real a, real b) /* rounded down */ { return edml__product(a, b) >> 8; }
 
 static inline real saturate_q40(wide sum)
 {
@@ -57,9 +59,24 @@ static inline real saturate_q40(wide sum)
     return (real)(((sum > limit ? limit : sum < -limit ? -limit : sum) + (INT32_C(1) << 15)) >> 16);
 }
 
+static inline real shift_q24(real a, int exponent) /* rounded down */
+{
+    return exponent < 0 ? a >> (exponent < -31 ? 31 : -exponent) : a * (INT32_C(1) << exponent);
+}
+
+static inline int normalise_q24(real *x, int n)
+{
+    uint32_t bits = 0; /* whose highest is that of the largest */
+    for (int i = 0; i < n; i++) bits |= (uint32_t)ABS(x[i]);
+    const int exponent = bits == 0 ? 0 : edml__leading_zeros(bits) - 8;
+    if (exponent != 0)
+        for (int i = 0; i < n; i++) x[i] = shift_q24(x[i], exponent);
+    return exponent;
+}
+
 static inline real sqrt_q24(real a) { return a > 0 ? (real)edml__root((uint64_t)a << 24) : 0; }
 
-static inline uint64_t square_q24(real a) { return (uint64_t)((int64_t)a * a); } /* <= 2^62 */
+static inline uint64_t square_q24(real a) { return (uint64_t)edml__product(a, a); } /* <= 2^62 */
 
 static inline real hypot_q24(real a, real b, real c)
 {

@@ -76,6 +76,10 @@ struct edml_jacobi_rotation_checked {
     uint8_t p, q;
 };
 
+struct edml_plane_rotation_checked {
+    real cosine, sine;
+};
+
 struct edml_eigen_checked {
     real value[EDML_JOINTS], vector[EDML_JOINTS][EDML_JOINTS];
     edml_jacobi_rotation_checked rotation[640];
@@ -89,7 +93,10 @@ struct edml_work_checked {
         real matrix[EDML_JOINTS][EDML_JOINTS], values[196];
     } io;
     struct {
-        edml_jacobi_rotation_checked rotation[320];
+        struct {
+            edml_plane_rotation_checked sweep[132];
+            edml_jacobi_rotation_checked jacobi[12];
+        } rotation;
         point step[4][EDML_JOINTS];
     } scratch;
 };
@@ -119,6 +126,7 @@ static inline void checked_network(const edml_model *model, edml_work_checked *w
 #define edml_matrix edml_matrix_checked
 #define edml_eigen edml_eigen_checked
 #define edml_jacobi_rotation edml_jacobi_rotation_checked
+#define edml_plane_rotation edml_plane_rotation_checked
 
 #define edml_adapt edml_adapt_checked
 #define edml_body_frame edml_body_frame_checked

@@ -27,6 +27,11 @@ typedef checked<int64_t> wide;
 #define ABS(a) ((a) < 0 ? -(a) : (a))
 #define TRUNCATE(sum) real::from((sum).value())
 #define PRODUCT(a, b) checked_product(a, b)
+#define EXACT(a, b) checked_exact(a, b)
+#define FROM_EXACT(sum) checked_from_exact(sum)
+#define ROOT_OF_EXACT(sum) checked_root(sum)
+#define NORMALISE(x, n) checked_normalise(x, n)
+#define SHIFT(a, exponent) checked_shift(a, exponent)
 #define SATURATE(sum) checked_saturate(sum)
 #define IS_NEAR(square) ((square) < real(64 << 24))
 #define WIDE_MAX wide::from(INT64_MAX)
@@ -41,6 +46,39 @@ static inline wide checked_product(real a, real b)
 {
     tally.products++;
     return wide::from(((__int128)a.value() * b.value()) >> 8);
+}
+
+static inline wide checked_exact(real a, real b)
+{
+    tally.products++;
+    return wide::from((__int128)a.value() * b.value());
+}
+
+static inline real checked_from_exact(wide sum)
+{
+    return real::from(((__int128)sum.value() + (1 << 23)) >> 24);
+}
+
+static inline real checked_root(wide sum)
+{
+    tally.roots++;
+    if (sum < 0) return tally.overflows++, real(0);
+    return real::from(edml__root((uint64_t)sum.value()));
+}
+
+static inline real checked_shift(real a, int exponent)
+{
+    return real::from(exponent < 0 ? a.value() >> (exponent < -31 ? 31 : -exponent)
+                                   : (__int128)a.value() * (1 << exponent));
+}
+
+static inline int checked_normalise(real *x, int n)
+{
+    uint32_t bits = 0;
+    for (int i = 0; i < n; i++) bits |= (uint32_t)ABS(x[i]).value();
+    const int exponent = bits == 0 ? 0 : edml__leading_zeros(bits) - 8;
+    for (int i = 0; i < n; i++) x[i] = checked_shift(x[i], exponent);
+    return exponent;
 }
 
 static inline real checked_saturate(wide sum)

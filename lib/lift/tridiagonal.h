@@ -1,0 +1,128 @@
+/* The largest eigenvalue of a tridiagonal matrix, and the QL sweep that splits it off.
+ *
+ * The matrix is a band [n][2], as householder.h makes it.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_TRIDIAGONAL_H
+#define EDML_TRIDIAGONAL_H
+
+#include "../api/api.h"
+
+enum { MOST_STEPS = 24 };             /* 4 to 7 are usual */
+#define LAST_STEP REAL(1.52587891e-5) /* 2^-16; the step after would be about its cube */
+
+/* Divides the matrix by its Frobenius norm, which it returns; 0 if there is nothing.  In fixed point entries
+ * are within 1 before, and the norm is 1/2 to 5. */
+static EDML_NOINLINE real divide_by_norm(real *band, int n)
+{
+    const int bits = NORMALISE(band, 2 * n);
+    wide square = 0;
+    for (int i = 0; i < 2 * n; i += 2)
+        square += EXACT(band[i], band[i]) + 2 * EXACT(band[i + 1], band[i + 1]);
+    const real norm = ROOT_OF_EXACT(square);
+    if (!(norm > 0)) return 0;
+    const real scale = DIV(REAL(1.0), norm);
+    for (int i = 0; i < 2 * n; i++) band[i] = MUL(scale, band[i]);
+    return SHIFT(norm, -bits);
+}
+
+/* A leading minor and the one before, or a derivative of both, times 2^exponent.  In fixed point the larger
+ * one is in [1/2, 1) then: near a root f is far smaller than f', and f' than f'', and needs all its bits. */
+typedef struct {
+    real at[2];
+    int exponent;
+} minors;
+
+/* Three-term recurrence: x - d is within 2, e^2 within 1/2, and so is what the derivative adds. */
+static void next_minor(minors *m, real gap, real square, real more)
+{
+    const real next = MUL(gap, m->at[0]) - MUL(square, m->at[1]) + more;
+    m->at[1] = m->at[0];
+    m->at[0] = next;
+    m->exponent += NORMALISE(m->at, 2);
+}
+
+/* f, f' and f''/2 at x of the characteristic polynomial f.  None is negative above its roots. */
+static EDML_NOINLINE void characteristic(minors *f, minors *slope, minors *curve, const real *band, int n,
+                                         real x)
+{
+    const minors at_order_0_and_1[3] = {{{x - band[0], REAL(1.0)}, 0}, {{REAL(1.0), 0}, 0}, {{0, 0}, 0}};
+    *f = at_order_0_and_1[0];
+    *slope = at_order_0_and_1[1];
+    *curve = at_order_0_and_1[2];
+    for (int i = 1; i < n; i++) {
+        const real gap = x - band[2 * i], square = MUL(band[2 * i - 1], band[2 * i - 1]);
+        next_minor(curve, gap, square, SHIFT(slope->at[0], curve->exponent - slope->exponent));
+        next_minor(slope, gap, square, SHIFT(f->at[0], slope->exponent - f->exponent));
+        next_minor(f, gap, square, 0);
+    }
+    f->exponent += NORMALISE(f->at, 1);
+    slope->exponent += NORMALISE(slope->at, 1);
+    curve->exponent += NORMALISE(curve->at, 1);
+}
+
+/* Largest eigenvalue of a matrix of norm 1, from above: Laguerre's method.  As all roots are real, no step is
+ * too long. */
+static real largest_eigenvalue(const real *band, int n)
+{
+    const real share = DIV((real)(2 * n), (real)(n - 1));
+    real x = REAL(1.0);
+    for (int step = 0; step < MOST_STEPS; step++) {
+        minors f, slope, curve;
+        characteristic(&f, &slope, &curve, band, n, x);
+        if (!(f.at[0] > 0 && slope.at[0] > 0)) break; /* rounding: at the root */
+        const int exponent = slope.exponent - f.exponent;
+        const real newton = DIV(f.at[0], slope.at[0]), bend = DIV(curve.at[0], slope.at[0]); /* within 2 */
+        const real part = MUL(
+            share, SHIFT(MUL(newton, bend), exponent + slope.exponent - curve.exponent)); /* 0 to 1 */
+        const real root = part < REAL(1.0) ? SQRT(REAL(1.0) - part) : 0;
+        const real length = SHIFT(DIV((real)n * newton, REAL(1.0) + (real)(n - 1) * root), exponent);
+        x -= length;
+        if (length <= LAST_STEP) break;
+    }
+    return x;
+}
+
+/* The rotation of (x, z) onto the first axis; by nothing if both are zero. */
+static edml_plane_rotation onto_first(real x, real z)
+{
+    edml_plane_rotation rotation = {REAL(1.0), 0};
+    if (z == 0) return rotation;
+    const int steep = ABS(z) > ABS(x);
+    const real tangent = steep ? DIV(x, z) : DIV(z, x); /* within 1 */
+    const real one = DIV(REAL(1.0), HYPOT(REAL(1.0), tangent)), other = MUL(tangent, one);
+    rotation.cosine = steep ? other : one;
+    rotation.sine = steep ? one : other;
+    return rotation;
+}
+
+/* A QL sweep that subtracts an eigenvalue explicitly: what is beside band[0] becomes zero, and band[0] the
+ * eigenvalue.  Records the rotations of axes i and i + 1, from the last i = n - 2 to the first.  (A sweep
+ * that subtracts it implicitly is not forward stable.)  All numbers are within 2 norms. */
+static EDML_NOINLINE void sweep(edml_plane_rotation *done, real *band, int n, real eigenvalue)
+{
+    real x = band[2 * n - 2] - eigenvalue, on_diagonal = x;
+    edml_plane_rotation before = {REAL(1.0), 0};
+    for (int i = n - 2; i >= 0; i--) {
+        const real d = band[2 * i], e = band[2 * i + 1];
+        const edml_plane_rotation turn = onto_first(x, e);
+        if (i + 2 < n) band[2 * i + 3] = MUL(before.sine, MUL(turn.cosine, x) + MUL(turn.sine, e));
+        x = MUL(turn.cosine, d - eigenvalue) - MUL(turn.sine, MUL(before.cosine, e));
+        band[2 * i + 2] = d + on_diagonal;
+        on_diagonal = MUL(turn.cosine, x);
+        band[2 * i + 2] -= on_diagonal;
+        *done++ = before = turn;
+    }
+    band[1] = MUL(before.sine, x);
+    band[0] = eigenvalue + on_diagonal;
+}
+
+static void rotate_points(point *p, point *q, edml_plane_rotation by)
+{
+    const point was = *p;
+    *p = minus(times(by.cosine, was), times(by.sine, *q));
+    *q = plus(times(by.sine, was), times(by.cosine, *q));
+}
+
+#endif
