@@ -25,12 +25,8 @@ static uint32_t next_digit(uint32_t *left, uint32_t next, uint32_t divisor)
 int32_t edml__divide_q24(int32_t a, int32_t b)
 {
     uint32_t divisor = b < 0 ? 0 - (uint32_t)b : (uint32_t)b;
-    int shift = 0; /* makes the divisor's top bit set */
-    for (int step = 16; step > 0; step /= 2) {
-        if (divisor >> (32 - step) != 0) continue;
-        divisor <<= step;
-        shift += step;
-    }
+    const int shift = edml__leading_zeros(divisor);
+    divisor <<= shift;
     /* |a| < 128 |b|: below 2^39 once shifted, and 2^63 in Q24; its upper word is below the divisor. */
     const uint64_t n = (uint64_t)(a < 0 ? 0 - (uint32_t)a : (uint32_t)a) << (24 + shift);
     uint32_t left = (uint32_t)(n >> 32);
@@ -40,18 +36,32 @@ int32_t edml__divide_q24(int32_t a, int32_t b)
     return (a < 0) == (b < 0) ? (int32_t)quotient : -(int32_t)quotient;
 }
 
-/* Digit by digit, base 2: the root of n >= 2^30, between 2^15 and 2^16; leaves n - root^2 <= 2 root. */
+/* 2^11 / root of k + 1/2, k = 64 to 255; by tests/python/test_house.py. */
+static const uint8_t inverse_roots[192] = {
+    255, 253, 251, 249, 247, 246, 244, 242, 241, 239, 237, 236, 234, 233, 231, 230, 228, 227, 225, 224,
+    223, 221, 220, 219, 218, 216, 215, 214, 213, 212, 211, 210, 208, 207, 206, 205, 204, 203, 202, 201,
+    200, 199, 198, 198, 197, 196, 195, 194, 193, 192, 191, 191, 190, 189, 188, 187, 187, 186, 185, 184,
+    184, 183, 182, 181, 181, 180, 179, 179, 178, 177, 177, 176, 175, 175, 174, 173, 173, 172, 172, 171,
+    170, 170, 169, 169, 168, 167, 167, 166, 166, 165, 165, 164, 164, 163, 163, 162, 162, 161, 161, 160,
+    160, 159, 159, 158, 158, 157, 157, 156, 156, 155, 155, 155, 154, 154, 153, 153, 152, 152, 152, 151,
+    151, 150, 150, 150, 149, 149, 148, 148, 148, 147, 147, 146, 146, 146, 145, 145, 145, 144, 144, 144,
+    143, 143, 143, 142, 142, 141, 141, 141, 140, 140, 140, 140, 139, 139, 139, 138, 138, 138, 137, 137,
+    137, 136, 136, 136, 135, 135, 135, 135, 134, 134, 134, 133, 133, 133, 133, 132, 132, 132, 132, 131,
+    131, 131, 130, 130, 130, 130, 129, 129, 129, 129, 128, 128};
+
+/* The root of n >= 2^30, between 2^15 and 2^16; leaves n - root^2 <= 2 root.  By a table the inverse root is
+ * good to 8 bits, and by Newton's method to 15, so that the root is off by a few at most. */
 static uint32_t root_of_word(uint32_t *n)
 {
-    uint32_t root = 0, left = *n;
-    for (uint32_t bit = UINT32_C(1) << 30; bit != 0; bit >>= 2) {
-        const uint32_t tried = root + bit;
-        root >>= 1;
-        if (left < tried) continue;
-        left -= tried;
-        root += bit;
-    }
-    *n = left;
+    const uint32_t high = *n >> 16, start = inverse_roots[(*n >> 24) - 64]; /* 2^7 / root(n / 2^32) */
+    const int32_t off = (INT32_C(1) << 30) - (int32_t)(high * start * start);
+    const uint32_t inverse = (start << 8) + (uint32_t)((int32_t)start * (off >> 10) >> 13);
+    uint32_t root = high * inverse >> 15;
+    if (root > UINT16_MAX) root = UINT16_MAX;
+    int32_t left = (int32_t)(*n - root * root);
+    for (; left < 0; root--) left += (int32_t)(2 * root) - 1;
+    for (; left > (int32_t)(2 * root); root++) left -= (int32_t)(2 * root) + 1;
+    *n = (uint32_t)left;
     return root;
 }
 
@@ -60,12 +70,10 @@ static uint32_t root_of_word(uint32_t *n)
 uint32_t edml__root(uint64_t n)
 {
     if (n == 0) return 0;
-    int halved = 0; /* the root is shifted right by this, n left by twice as much */
-    for (int step = 16; step > 0; step /= 2) {
-        if (n >> (64 - 2 * step) != 0) continue;
-        n <<= 2 * step;
-        halved += step;
-    }
+    const uint32_t top = (uint32_t)(n >> 32);
+    /* The root is shifted right by this, n left by twice as much. */
+    const int halved = (top != 0 ? edml__leading_zeros(top) : 32 + edml__leading_zeros((uint32_t)n)) / 2;
+    n <<= 2 * halved;
     uint32_t left = (uint32_t)(n >> 32); /* >= 2^30 */
     const uint32_t high = root_of_word(&left);
     /* (left 2^16 + the next 16 bits) / (2 high), both halved to stay below 2^32 */
