@@ -9,6 +9,8 @@
 #include "weights_w16.h" /* alone: with these */
 #endif
 
+#include "../number/fixed.h"
+
 typedef int32_t value;
 
 /* From Q24, 0 or more, to Q12 below 8, to the nearest. */
@@ -30,7 +32,7 @@ static inline int32_t signed_input(int32_t number)
  * 1 to 2^31 - 1, so that the product is below 2^62; shift is 1 to 62. */
 static inline int32_t requantise(int32_t sum, const dense_layer *layer, int row)
 {
-    const uint64_t product = (uint64_t)(uint32_t)sum * (uint32_t)layer->multiplier[row];
+    const uint64_t product = (uint64_t)edml__product(sum, layer->multiplier[row]);
     const uint64_t scaled = ((product >> (layer->shift - 1)) + 1) >> 1;
     return scaled < (uint32_t)layer->clamp ? (int32_t)scaled : layer->clamp;
 }
