@@ -9,6 +9,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import optax
+import optax.contrib
+from optax.contrib import MuonDimensionNumbers
 
 from edmlift.joints import BONES, HINGES
 from model import fconn, fconv, jax_stages, lifter
@@ -171,7 +173,7 @@ def make_epoch(
 
 
 def make_optimizer(recipe: Recipe, steps_per_epoch: int) -> optax.GradientTransformation:
-    """Adam with a clipped gradient and the recipe's schedule of the rate."""
+    """The recipe's optimizer with a clipped gradient, and its schedule of the rate."""
     total = recipe.epochs * steps_per_epoch
     if recipe.drop_rate_at > 0:
         schedule = optax.piecewise_constant_schedule(
@@ -182,7 +184,26 @@ def make_optimizer(recipe: Recipe, steps_per_epoch: int) -> optax.GradientTransf
             0.0, recipe.rate, min(2 * steps_per_epoch, total // 2), total, recipe.rate * 1e-3
         )
     clip = optax.clip_by_global_norm(recipe.clip) if recipe.clip > 0 else optax.identity()
-    return optax.chain(clip, optax.adam(schedule))
+    return optax.chain(clip, optax.adam(schedule) if recipe.adam else muon(schedule))
+
+
+def muon(schedule: optax.Schedule) -> optax.GradientTransformation:
+    """Muon (K. Jordan et al., 2024): steps along orthogonalised momentum for the matrices of
+    weights, by Adam for the rest.  Steps are scaled to the size that Adam's have."""
+
+    def matrices(params: Params) -> Any:
+        """Which parameters are such matrices; None: not this one."""
+        return jax.tree_util.tree_map_with_path(
+            lambda path, _: MuonDimensionNumbers() if path[0].key.startswith("weight") else None,
+            params,
+        )
+
+    return optax.contrib.muon(
+        schedule,
+        adam_learning_rate=schedule,
+        consistent_rms=0.2,
+        muon_weight_dimension_numbers=matrices,
+    )
 
 
 # ---- Validation ------------------------------------------------------------------------------

@@ -12,8 +12,9 @@ class Recipe:
     network: str = "distances"  # one of loss.NETWORKS, or of layout.KINDS
     hidden: tuple[int, ...] = (88, 80)  # pairs of units a layer; of the equivariant networks
     l2_epochs: int = 0  # epochs of plain L2 on the distances ...
-    pose_epochs: int = 900  # ... then on the error of the poses; of `direct` all
+    pose_epochs: int = 1200  # ... then on the error of the poses; of `direct` all
     batch: int = 64
+    adam: bool = False  # the optimizer; else Muon
     rate: float = 1e-3
     drop_rate_at: float = 0.0  # share of the epochs when the rate falls to a tenth; 0: cosine
     clip: float = 0.5  # global norm of the gradient
@@ -51,7 +52,7 @@ class Recipe:
 
 # Through the distances to the MDS and nothing else: the paper's networks, better trained.
 _MDS = {"direction_weight": 0.0, "flexion_weight": 0.0, "straight_weight": 0.0}
-_MDS |= {"rigid": 0.7, "redefined": 0.0}
+_MDS |= {"rigid": 0.7, "redefined": 0.0, "adam": True}
 
 RECIPES = {
     "distances": Recipe(),
