@@ -9,7 +9,7 @@
  * training    recipe fconn, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 7
+#if EDML_WEIGHTS_FORMAT != 8
 #error "regenerate with tools/export_weights.py"
 #endif
 

@@ -7,7 +7,7 @@
 #ifndef EDML_TRIDIAGONAL_H
 #define EDML_TRIDIAGONAL_H
 
-#include "../api/api.h"
+#include "../geometry/vector.h"
 
 enum { MOST_STEPS = 24 };             /* 4 to 7 are usual */
 #define LAST_STEP REAL(1.52587891e-5) /* 2^-16; the step after would be about its cube */

@@ -1,4 +1,5 @@
-/* The checksum of a network's arrays: FNV-1a over those of each layer, in the order of its members.
+/* The checksum of a network's arrays: FNV-1a over those of each layer, in the order of its members, weights
+ * input by input.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -9,22 +10,40 @@
 
 #include "weights.h"
 
-/* Over the bytes of each value, the lowest first on every machine; sizes are 1, 2 or 4. */
-static uint32_t hash_values(uint32_t hash, const void *values, uint32_t count, size_t size)
+/* Over the bytes of a number, the lowest first on every machine; sizes are 1, 2 or 4. */
+static uint32_t hash_value(uint32_t hash, const void *item, size_t size)
 {
     static const uint16_t one = 1;
     const size_t flip = *(const uint8_t *)&one == 1 ? 0 : size - 1;
-    const uint8_t *byte = values;
-    for (size_t n = 0; n < count * size; n++) hash = (hash ^ byte[n ^ flip]) * 16777619U;
+    const uint8_t *byte = item;
+    for (size_t n = 0; n < size; n++) hash = (hash ^ byte[n ^ flip]) * 16777619U;
     return hash;
 }
 
-static uint32_t hash_layers(const dense_layer *layer, int count)
+static uint32_t hash_values(uint32_t hash, const void *values, uint32_t count, size_t size)
+{
+    const uint8_t *item = values;
+    for (uint32_t n = 0; n < count; n++, item += size) hash = hash_value(hash, item, size);
+    return hash;
+}
+
+/* Where in its memory a network's weight is that the header has in place n. */
+static uint32_t place_of(uint32_t n, int chunk)
+{
+#ifdef EDML_BLOCKS_BY_ROW
+    if (chunk == EDML_CHUNK) return (n & ~63U) | (n & 7) << 3 | (n >> 3 & 7);
+#endif
+    (void)chunk;
+    return n;
+}
+
+static uint32_t hash_layers(const dense_layer *layer, int count, int chunk)
 {
     uint32_t hash = 2166136261U;
     for (int n = 0; n < count; n++, layer++) {
         const uint32_t rows = (layer->outputs + EDML_ROWS - 1U) / EDML_ROWS * EDML_ROWS;
-        hash = hash_values(hash, layer->weight, rows * layer->inputs, sizeof *layer->weight);
+        for (uint32_t k = 0; k < rows * layer->inputs; k++)
+            hash = hash_value(hash, &layer->weight[place_of(k, chunk)], sizeof *layer->weight);
         hash = hash_values(hash, layer->bias, rows, sizeof *layer->bias);
         HASH_MULTIPLIERS(hash, layer, rows);
     }

@@ -1,4 +1,4 @@
-/* dot8(): eight rows of a layer.  Portable C, which dot8_dsp.h and dot8_vfp.h must equal bit for bit.
+/* dot8(): eight rows of a layer.  Portable C, which dot8_vfp.h must equal bit for bit.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -11,11 +11,9 @@
 
 #include "weights.h"
 
-#define IN_REGISTER __attribute__((unused)) /* which the compiler does not see */
-
-__attribute__((naked, noinline)) static void dot8(value y[EDML_ROWS] IN_REGISTER,
-                                                  const value *x IN_REGISTER, const weight *w IN_REGISTER,
-                                                  const value *b IN_REGISTER, int inputs IN_REGISTER)
+__attribute__((naked, noinline)) static void
+dot8(value y[EDML_ROWS] EDML_IN_REGISTER, const value *x EDML_IN_REGISTER, const weight *w EDML_IN_REGISTER,
+     const value *b EDML_IN_REGISTER, int inputs EDML_IN_REGISTER)
 {
     __asm__("    ldr    r12, [sp]\n"
             "    add    r12, r1, r12, lsl #2\n"

@@ -9,8 +9,9 @@
  * Every weight counts for left and for right, and the layers are as wide as those of twice as many weights
  * and multiplications.  The last layer has no ReLU.  lift/inputs.h says what is read and given.
  *
- * A layer's inputs are the even ones, then the odd ones.  A layer of n outputs has 2n units, the first ones and
- * then their mirror units; n is a multiple of EDML_ROWS, and in the last layer filled up to one.
+ * A layer's inputs are the even ones, then the odd ones, each filled up to a multiple of CHUNK.  A layer of n
+ * outputs has 2n units, the first ones and then their mirror units; n is a multiple of EDML_ROWS, and in the
+ * last layer filled up to one.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -18,66 +19,78 @@
 #define EDML_EQUIVARIANT_H
 
 #include "checksum.h"
-#include "dot8.h"
+#include "rows.h"
 
-static const value no_bias[EDML_ROWS] = {0};
-
-/* Sums of a layer's rows and, from y[count] on, of their mirror rows: from `even` even inputs, then the odd
- * ones. */
-static void sum_rows(value *y, const value *x, int even, const dense_layer *layer, int count)
+/* [0] what even inputs, [1] what odd ones add to the sums of ROWS rows, the first of them `row`: their sum is
+ * that of a row, their difference that of its mirror row. */
+static void sum_parts(value sum[2][ROWS], const activation *x, int even, const dense_layer *layer, int row)
 {
-    const weight *w = layer->weight;
-    for (int row = 0; row < count; row += EDML_ROWS, w += EDML_ROWS * layer->inputs) {
-        value *const first = y + row, *const second = y + count + row;
-        value from_odd[EDML_ROWS];
-        dot8(first, x, w, layer->bias + row, even);
-        dot8(from_odd, x + even, w + EDML_ROWS * even, no_bias, layer->inputs - even);
-        for (int k = 0; k < EDML_ROWS; k++) {
-            second[k] = first[k] - from_odd[k];
-            first[k] = first[k] + from_odd[k];
-        }
+    sum_rows(sum, x, WEIGHTS_OF(layer, row), layer->bias + row, even, layer->inputs - even);
+}
+
+/* Units and mirror units of ROWS rows: y[k] is their sum, which is even, y[count + k] their difference.  Out
+ * of line, because sum_parts() leaves no registers. */
+static EDML_NOINLINE void activate_rows(activation *y, value sum[2][ROWS], const dense_layer *layer,
+                                        int row, int count)
+{
+    for (int k = 0; k < ROWS; k++) {
+        const value even = sum[0][k], odd = sum[1][k];
+        const value unit = activate(even + odd, layer, row + k, EDML_PAIRED_BITS);
+        const value mirror_unit = activate(even - odd, layer, row + k, EDML_PAIRED_BITS);
+        y[SLOT(k)] = (activation)(unit + mirror_unit);
+        y[count + SLOT(k)] = (activation)(unit - mirror_unit);
     }
 }
 
-/* Units of the sums; then the sums of a unit and its mirror unit, which are even, and their differences. */
-static void activate_units(value *y, const dense_layer *layer, int count)
+static void activate_layer(activation *y, const activation *x, int even, const dense_layer *layer,
+                           int count)
 {
-    for (int k = 0; k < count; k++) {
-        const value first = activate(y[k], layer, k), second = activate(y[count + k], layer, k);
-        y[k] = first + second;
-        y[count + k] = first - second;
+    for (int row = 0; row < count; row += ROWS) {
+        value sum[2][ROWS];
+        sum_parts(sum, x, even, layer, row);
+        activate_rows(y + row, sum, layer, row, count);
     }
+}
+
+/* Inputs at their slots, those that fill up zero. */
+static int read_inputs(activation *x, const value *in, int count)
+{
+    const int filled = (count + CHUNK - 1) / CHUNK * CHUNK;
+    for (int k = 0; k < filled; k++) x[SLOT(k)] = k < count ? (activation)signed_input(in[k]) : 0;
+    return filled;
 }
 
 /* `out` may be `in`. */
 EDML_INTERNAL void WEIGHTS(edml__equivariant)(value *out, const value *in, const edml_model *model,
                                               void *scratch)
 {
-    value(*units)[EDML_MAX_UNITS] = scratch;
+    activation(*units)[EDML_MAX_UNITS] = scratch;
     const dense_layer *layer = model->layers;
-    value *x = units[0], *y = units[1];
-    int even = model->even_inputs;
-    for (int k = 0; k < model->inputs; k++) x[k] = signed_input(in[k]);
+    activation *x = units[0], *y = units[1];
+    int even = read_inputs(x, in, model->even_inputs);
+    read_inputs(x + even, in + model->even_inputs, model->inputs - model->even_inputs);
     for (int n = 1; n < model->layer_count; n++, layer++) {
         const int count = EDML_ROWS * EDML_GROUPS(layer->outputs);
-        sum_rows(y, x, even, layer, count);
-        activate_units(y, layer, count);
+        activate_layer(y, x, even, layer, count);
         even = count;
-        value *const read = x;
+        activation *const read = x;
         x = y;
         y = read;
     }
     const int count = EDML_ROWS * EDML_GROUPS(layer->outputs);
-    sum_rows(out, x, even, layer, count);
-    for (int k = 0; k < count; k++) {
-        out[k] = signed_output(out[k], layer, k);
-        out[count + k] = signed_output(out[count + k], layer, k);
+    for (int row = 0; row < count; row += ROWS) {
+        value sum[2][ROWS];
+        sum_parts(sum, x, even, layer, row);
+        for (int k = 0; k < ROWS; k++) {
+            out[row + k] = signed_output(sum[0][k] + sum[1][k], layer, row + k);
+            out[count + row + k] = signed_output(sum[0][k] - sum[1][k], layer, row + k);
+        }
     }
 }
 
 EDML_INTERNAL uint32_t WEIGHTS(edml__equivariant_checksum)(const edml_model *model)
 {
-    return hash_layers(model->layers, model->layer_count);
+    return hash_layers(model->layers, model->layer_count, CHUNK);
 }
 
 #endif

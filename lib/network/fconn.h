@@ -5,37 +5,48 @@
 #ifndef EDML_FCONN_H
 #define EDML_FCONN_H
 
-#include <string.h>
-
 #include "checksum.h"
-#include "dot8.h"
+#include "rows.h"
 
-static void dense_units(value *y, const value *x, const dense_layer *layer)
+static void sum_all(value sum[2][ROWS], const activation *x, const dense_layer *layer, int row)
 {
-    const weight *w = layer->weight;
-    for (int row = 0; row < layer->outputs; row += EDML_ROWS, w += EDML_ROWS * layer->inputs) {
-        dot8(y + row, x, w, layer->bias + row, layer->inputs);
-        for (int k = row; k < row + EDML_ROWS; k++) y[k] = activate(y[k], layer, k);
+    sum_rows(sum, x, WEIGHTS_OF(layer, row), layer->bias + row, layer->inputs, 0);
+}
+
+static void dense_units(activation *y, const activation *x, const dense_layer *layer)
+{
+    for (int row = 0; row < layer->outputs; row += ROWS) {
+        value sum[2][ROWS];
+        sum_all(sum, x, layer, row);
+        for (int k = 0; k < ROWS; k++)
+            y[row + SLOT(k)] = (activation)activate(sum[0][k], layer, row + k, EDML_UNIT_BITS);
     }
 }
 
 EDML_INTERNAL void WEIGHTS(edml__fconn)(value *out, const value *in, const edml_model *model, void *scratch)
 {
-    value(*units)[EDML_MAX_UNITS] = scratch;
-    const dense_layer *layers = model->layers;
-    value *x = units[0];
-    for (int k = 0; k < EDML_PAIRS; k++) x[k] = network_input(in[k]);
-    for (int n = 0; n < model->layer_count; n++) {
-        value *y = units[(n + 1) & 1];
-        dense_units(y, x, &layers[n]);
+    activation(*units)[EDML_MAX_UNITS] = scratch;
+    const dense_layer *layer = model->layers;
+    activation *x = units[0], *y = units[1];
+    for (int k = 0; k < layer->inputs; k++)
+        x[SLOT(k)] = k < EDML_PAIRS ? (activation)network_input(in[k]) : 0;
+    for (int n = 1; n < model->layer_count; n++, layer++) {
+        dense_units(y, x, layer);
+        for (int k = layer->outputs; k < layer[1].inputs; k++) y[SLOT(k)] = 0; /* what is filled up */
+        activation *const read = x;
         x = y;
+        y = read;
     }
-    memcpy(out, x, EDML_PAIRS * sizeof *out);
+    for (int row = 0; row < EDML_PAIRS; row += ROWS) {
+        value sum[2][ROWS];
+        sum_all(sum, x, layer, row);
+        for (int k = 0; k < ROWS; k++) out[row + k] = output(sum[0][k], layer, row + k);
+    }
 }
 
 EDML_INTERNAL uint32_t WEIGHTS(edml__fconn_checksum)(const edml_model *model)
 {
-    return hash_layers(model->layers, model->layer_count);
+    return hash_layers(model->layers, model->layer_count, CHUNK);
 }
 
 #endif

@@ -84,7 +84,7 @@ static void fconv_pixel(activation *out, const convolution *c, int y, int x, val
                 if (sum[1][k] > largest[k]) largest[k] = sum[1][k];
         }
     }
-    for (int k = 0; k < outputs; k++) out[k] = (activation)activate(largest[k], c->layer, k);
+    for (int k = 0; k < outputs; k++) out[k] = (activation)activate(largest[k], c->layer, k, EDML_UNIT_BITS);
 }
 
 static void fill_map(activation *out, int side, const convolution *c, value sum[2][FCONV_CHANNELS])
@@ -141,7 +141,7 @@ EDML_INTERNAL void WEIGHTS(edml__fconv)(value *out, const value *in, const edml_
 
 EDML_INTERNAL uint32_t WEIGHTS(edml__fconv_checksum)(const edml_model *model)
 {
-    return hash_layers(model->layers, model->layer_count);
+    return hash_layers(model->layers, model->layer_count, 1);
 }
 
 #endif

@@ -3,10 +3,13 @@
  *   WEIGHTS(name)      the name for these weights
  *   value, activation  what sums are made of; what a layer reads
  *   weight             one of dense_layer's, which is a layer of these weights
+ *   CHUNK              inputs of a layer are filled up to a multiple
+ *   SUM_ROWS           the header that has sum_rows() of rows.h
  *   network_input()    a distance of the EDM, as the network reads it
  *   signed_input()     a number within +-8, as the network reads it
- *   activate()         what a row's sum becomes behind the ReLU
- *   signed_output()    what a row's sum becomes without one
+ *   activate()         what a row's sum becomes behind the ReLU: in integers, of so many bits
+ *   output()           the same in the last layer
+ *   signed_output()    what a row's sum becomes without a ReLU
  *   mean_output()      the mean of two sums of the last layer, behind the ReLU
  *   DOT8               the header that has dot8()
  *
@@ -28,10 +31,15 @@ static inline float network_input(float distance) { return distance; }
 
 static inline float signed_input(float number) { return number; }
 
-static inline float activate(float sum, const dense_layer *layer, int row)
+static inline float activate(float sum, const dense_layer *layer, int row, int bits)
 {
-    (void)layer, (void)row;
+    (void)layer, (void)row, (void)bits;
     return sum > 0 ? sum : 0;
+}
+
+static inline float output(float sum, const dense_layer *layer, int row)
+{
+    return activate(sum, layer, row, 0);
 }
 
 static inline float signed_output(float sum, const dense_layer *layer, int row)
@@ -47,6 +55,9 @@ static inline float mean_output(float a, float b, const dense_layer *layer)
 }
 
 #define HASH_MULTIPLIERS(hash, layer, rows) (void)0
+
+enum { CHUNK = 1 };
+#define SUM_ROWS "rows_by_input.h"
 
 #if defined(__GNUC__) && defined(__ARM_FP) && defined(__thumb2__)
 #define DOT8 "dot8_vfp.h"

@@ -12,6 +12,7 @@
 #include "../number/fixed.h"
 
 typedef int32_t value;
+typedef int16_t activation;
 
 /* From Q24, 0 or more, to Q12 below 8, to the nearest. */
 static inline int32_t network_input(int32_t distance)
@@ -28,31 +29,42 @@ static inline int32_t signed_input(int32_t number)
     return rounded < 32767 ? rounded : 32767;
 }
 
-/* A row's sum, 0 to 2^31 - 1, times multiplier / 2^shift, to the nearest, at most `clamp`.  multiplier is
- * 1 to 2^31 - 1, so that the product is below 2^62; shift is 1 to 62. */
-static inline int32_t requantise(int32_t sum, const dense_layer *layer, int row)
+/* A row's sum behind the ReLU, times multiplier / 2^32, to the nearest, below 2^bits. */
+static EDML_INLINE int32_t activate(int32_t sum, const dense_layer *layer, int row, int bits)
 {
-    const uint64_t product = (uint64_t)edml__product(sum, layer->multiplier[row]);
-    const uint64_t scaled = ((product >> (layer->shift - 1)) + 1) >> 1;
-    return scaled < (uint32_t)layer->clamp ? (int32_t)scaled : layer->clamp;
+    return edml__saturate(edml__high_product(sum, layer->multiplier[row]), bits);
 }
 
-static inline int32_t activate(int32_t sum, const dense_layer *layer, int row)
+/* Of the last layer, in Q24, as signed_output() and mean_output(): the exporter proves that
+ * |sum| 2^(32 - shift) is below 2^31. */
+static inline int32_t output(int32_t sum, const dense_layer *layer, int row)
 {
-    return sum > 0 ? requantise(sum, layer, row) : 0;
+    const int32_t lifted = sum > 0 ? sum * (INT32_C(1) << (32 - layer->shift)) : 0;
+    const int32_t scaled = edml__high_product(lifted, layer->multiplier[row]);
+    return (scaled < layer->clamp ? scaled : layer->clamp) * (1 << EDML_OUTPUT_SHIFT);
 }
 
-/* |sum| < 2^31, which the exporter proves. */
 static inline int32_t signed_output(int32_t sum, const dense_layer *layer, int row)
 {
-    return sum < 0 ? -requantise(-sum, layer, row) : requantise(sum, layer, row);
+    return sum < 0 ? -output(-sum, layer, row) : output(sum, layer, row);
 }
 
 /* |a|, |b| < 2^30, which the exporter proves; the layer's multiplier halves their sum. */
 static inline int32_t mean_output(int32_t a, int32_t b, const dense_layer *layer)
 {
-    return activate(a + b, layer, 0);
+    return output(a + b, layer, 0);
 }
+
+enum { CHUNK = EDML_CHUNK };
+#ifndef EDML_BLOCKS_BY_ROW
+#define SUM_ROWS "rows_by_input.h"
+#elif defined(__ARM_FEATURE_MVE) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
+#define SUM_ROWS "rows_mve.h"
+#elif defined(__ARM_FEATURE_DSP) && defined(__thumb2__) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
+#define SUM_ROWS "rows_dsp.h"
+#else
+#define SUM_ROWS "rows_by_row.h"
+#endif
 
 #define HASH_MULTIPLIERS(hash, layer, rows)                                                                \
     ((hash) = hash_values(hash, (layer)->multiplier, rows, sizeof *(layer)->multiplier))

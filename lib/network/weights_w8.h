@@ -1,4 +1,4 @@
-/* Networks in integers, with weights of up to 8 bits.  Maps of FConv hold activations in 16 bits.
+/* Networks in integers, with weights of up to 8 bits.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -8,11 +8,7 @@
 #include "model.h"
 
 #define WEIGHTS(name) name##_w8
-#ifdef EDML_NARROW_ACTIVATIONS
-typedef int16_t activation;
-#else
-typedef int32_t activation;
-#endif
+#define EDML_BYTES
 typedef int8_t weight;
 typedef edml_dense_w8 dense_layer;
 

@@ -8,19 +8,32 @@
 #include <stdint.h>
 
 /* EDML_NOINLINE     keep out of line, so that its locals leave the stack before the caller calls deeper
+ * EDML_INLINE       inline also where the compiler is told to save space
  * EDML_ALIGN4       weights that may be loaded a word at a time
  * EDML_IS_ALIGNED4  may words be at this pointer?
+ * EDML_IN_REGISTER  an argument of a function in assembly
  * EDML_COUNT_ZEROS  before the highest bit of a word, where the processor has an instruction for it
+ * EDML_HIGH_PRODUCT high = (a b + 2^31) >> 32, the same
+ * EDML_SATURATE     y = x limited to 0 to 2^bits - 1, the same
  * EDML_INTERNAL     shared by the library's files, and not exported from a shared library */
 #ifdef __GNUC__
 #define EDML_NOINLINE __attribute__((noinline))
+#define EDML_INLINE inline __attribute__((always_inline))
 #define EDML_ALIGN4 __attribute__((aligned(4)))
+#define EDML_IN_REGISTER __attribute__((unused)) /* which the compiler does not see */
 #else
 #define EDML_NOINLINE
+#define EDML_INLINE inline
 #define EDML_ALIGN4
 #endif
 #if defined(__ARM_FEATURE_CLZ) || defined(__x86_64__) || defined(__aarch64__) || defined(__riscv_zbb)
 #define EDML_COUNT_ZEROS(n) __builtin_clz(n)
+#endif
+#if defined(__ARM_FEATURE_DSP) && defined(__thumb2__) && defined(__GNUC__)
+#define EDML_HIGH_PRODUCT(high, a, b) __asm__("smmulr %0, %1, %2" : "=r"(high) : "r"(a), "r"(b))
+#endif
+#if defined(__ARM_FEATURE_SAT) && defined(__thumb2__) && defined(__GNUC__)
+#define EDML_SATURATE(y, bits, x) __asm__("usat %0, %1, %2" : "=r"(y) : "I"(bits), "r"(x) : "cc")
 #endif
 #define EDML_IS_ALIGNED4(pointer) (((uintptr_t)(pointer) & 3) == 0)
 #if defined(__GNUC__) && defined(__ELF__)

@@ -30,6 +30,31 @@ static inline int32_t edml__multiply_q24(int32_t a, int32_t b)
 }
 #endif
 
+/* (a b + 2^31) >> 32 */
+static inline int32_t edml__high_product(int32_t a, int32_t b)
+{
+#ifdef EDML_HIGH_PRODUCT
+    int32_t high;
+    EDML_HIGH_PRODUCT(high, a, b);
+    return high;
+#else
+    return (int32_t)((edml__product(a, b) + (INT64_C(1) << 31)) >> 32);
+#endif
+}
+
+/* x limited to 0 to 2^bits - 1; bits is a constant. */
+static EDML_INLINE int32_t edml__saturate(int32_t x, int bits)
+{
+#ifdef EDML_SATURATE
+    int32_t y;
+    EDML_SATURATE(y, bits, x);
+    return y;
+#else
+    const int32_t most = (INT32_C(1) << bits) - 1;
+    return x < 0 ? 0 : x < most ? x : most;
+#endif
+}
+
 /* Zeros before the highest bit of n > 0. */
 static inline int edml__leading_zeros(uint32_t n)
 {

@@ -7,8 +7,6 @@
 
 #ifdef EDML_MULTIPLY_V6M
 
-#define IN_REGISTER __attribute__((unused)) /* which the compiler does not see */
-
 /* r0 = a_high b_low, r1 = a_low b_high, r2 = a_low b_low, r3 = a_high b_high: high halves have the sign */
 #define PRODUCTS_OF_HALVES                                                                                 \
     "    .syntax unified\n"                                                                                \
@@ -25,7 +23,7 @@
     "    muls   r1, r4\n"
 
 /* The 16 bits below those that the low products add to round with the rest: none of them changes it. */
-__attribute__((naked)) int32_t edml__multiply_q24(int32_t a IN_REGISTER, int32_t b IN_REGISTER)
+__attribute__((naked)) int32_t edml__multiply_q24(int32_t a EDML_IN_REGISTER, int32_t b EDML_IN_REGISTER)
 {
     __asm__(PRODUCTS_OF_HALVES "    lsrs   r2, r2, #16\n"
                                "    adds   r2, #128\n" /* 2^23 >> 16 */
@@ -45,7 +43,7 @@ __attribute__((naked)) int32_t edml__multiply_q24(int32_t a IN_REGISTER, int32_t
                                "    .syntax divided\n");
 }
 
-__attribute__((naked)) int64_t edml__product(int32_t a IN_REGISTER, int32_t b IN_REGISTER)
+__attribute__((naked)) int64_t edml__product(int32_t a EDML_IN_REGISTER, int32_t b EDML_IN_REGISTER)
 {
     __asm__(PRODUCTS_OF_HALVES "    lsls   r4, r0, #16\n"
                                "    asrs   r0, r0, #16\n"

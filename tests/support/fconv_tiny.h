@@ -30,26 +30,26 @@ static int tiny_draw(uint32_t *state) /* -127 to 127 */
  * sum is in Q(12 + scale). */
 static void tiny_layer(int n, int inputs, int outputs, int scale, uint32_t *state)
 {
-    const int rows = (outputs + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS;
+    const int rows = (outputs + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS, last = n == 4;
     for (int k = 0; k < rows * inputs; k++) {
         tiny_weight[n][k] = (int8_t)(k % EDML_ROWS < outputs ? tiny_draw(state) : 0);
         tiny_weight_f32[n][k] = (float)tiny_weight[n][k] / (float)(1 << scale);
     }
     for (int k = 0; k < rows; k++) {
-        tiny_multiplier[n][k] = 1 << 20;
+        tiny_multiplier[n][k] = 1 << (last ? 31 - 13 - scale + 16
+                                           : 32 - scale); /* the mean of two, in Q16 */
         tiny_bias[n][k] = k < outputs ? tiny_draw(state) * (1 << (2 + scale)) : 0; /* up to 1/8 */
         if (n == 4 && k == 0) tiny_bias[n][k] = 3 << (10 + scale);                 /* 3/4 m */
         tiny_bias_f32[n][k] = (float)tiny_bias[n][k] / (float)(4096 << scale);
     }
-    const int last = n == 4, shift = last ? 20 + 12 + scale + 1 - 24 : 20 + scale;
     const edml_dense_f32 f32 = {(uint16_t)inputs, (uint16_t)outputs, tiny_weight_f32[n], tiny_bias_f32[n]};
     const edml_dense_w8 w8 = {(uint16_t)inputs,
                               (uint16_t)outputs,
                               tiny_weight[n],
                               tiny_bias[n],
                               tiny_multiplier[n],
-                              (uint8_t)shift,
-                              last ? 3 << 24 : EDML_ACTIVATION};
+                              last ? 31 : 32,
+                              last ? 3 << 16 : EDML_ACTIVATION};
     tiny_layers_f32[n] = f32;
     tiny_layers_w8[n] = w8;
 }

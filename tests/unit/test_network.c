@@ -152,6 +152,19 @@ static int is_w16(const edml_model *model)
 
 static int full_groups(int rows) { return (rows + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS; }
 
+static int filled(int inputs) { return (inputs + EDML_CHUNK - 1) / EDML_CHUNK * EDML_CHUNK; }
+
+/* Where in the memory of integers a weight is: layers.h. */
+static int place_of(int row, int input, int inputs)
+{
+    const int of_block = (row / 8 * inputs + input / 8 * 8) * 8;
+#ifdef EDML_BLOCKS_BY_ROW
+    return of_block + row % 8 * 8 + input % 8;
+#else
+    return of_block + input % 8 * 8 + row % 8;
+#endif
+}
+
 /* Layer n of a quantised model; one of 8 bits gets weights of 16 from the caller. */
 static edml_dense_w16 wide_layer(const edml_model *model, int n, int16_t wide[WIDE * WIDE])
 {
@@ -172,7 +185,7 @@ static int64_t scaled_down(int64_t value, int shift, int64_t limit)
 
 static int64_t weight_of(const edml_dense_w16 *layer, int row, int input)
 {
-    return layer->weight[(row / 8 * layer->inputs + input) * 8 + row % 8];
+    return layer->weight[place_of(row, input, layer->inputs)];
 }
 
 static int64_t activated(int64_t sum, const edml_dense_w16 *layer, int row)
@@ -186,7 +199,7 @@ static int16_t wide_weights[WIDE * WIDE];
 
 static void expect_fconn(const int32_t in[EDML_PAIRS], const edml_model *model)
 {
-    int64_t x[WIDE], y[WIDE];
+    int64_t x[WIDE] = {0}, y[WIDE] = {0};
     for (int k = 0; k < EDML_PAIRS; k++) x[k] = scaled_down((int64_t)in[k] + 2048, 12, 32767);
     for (int n = 0; n < model->layer_count; n++) {
         const edml_dense_w16 layer = wide_layer(model, n, wide_weights);
@@ -200,24 +213,24 @@ static void expect_fconn(const int32_t in[EDML_PAIRS], const edml_model *model)
         }
         memcpy(x, y, sizeof x);
     }
-    for (int k = 0; k < EDML_PAIRS; k++) wanted_q24[k] = (int32_t)x[k];
+    for (int k = 0; k < EDML_PAIRS; k++) wanted_q24[k] = (int32_t)x[k] * 256; /* from Q16 */
 }
 
 /* Without a ReLU: the same on either side of zero. */
 static int64_t signed_one(int64_t sum, const edml_dense_w16 *layer, int row)
 {
-    return sum < 0 ? -activated(-sum, layer, row) : activated(sum, layer, row);
+    return 256 * (sum < 0 ? -activated(-sum, layer, row) : activated(sum, layer, row));
 }
 
 /* Units and mirror units, by the definition: each reads what is even, and what is odd with either sign. */
 static void expect_equivariant(const int32_t *in, const edml_model *model)
 {
-    int64_t even[WIDE], odd[WIDE], unit[2][WIDE];
-    int evens = model->even_inputs, odds = model->inputs - model->even_inputs;
+    int64_t even[WIDE] = {0}, odd[WIDE] = {0}, unit[2][WIDE];
     for (int k = 0; k < model->inputs; k++) { /* to Q12, halves up */
         const int64_t q12 = ((int64_t)in[k] + 2048) >> 12;
-        *(k < evens ? &even[k] : &odd[k - evens]) = q12 < 32767 ? q12 : 32767;
+        *(k < model->even_inputs ? &even[k] : &odd[k - model->even_inputs]) = q12 < 32767 ? q12 : 32767;
     }
+    int evens = filled(model->even_inputs), odds = filled(model->inputs - model->even_inputs);
     for (int n = 0; n < model->layer_count; n++) {
         const edml_dense_w16 layer = wide_layer(model, n, wide_weights);
         const int last = n == model->layer_count - 1, count = full_groups(layer.outputs);
@@ -320,17 +333,18 @@ static edml_model random_model(uint32_t seed, const kind *of)
 {
     rng r = rng_seed(seed);
     for (int n = 0; n < 2; n++) {
-        const uint16_t inputs = n == 0 ? of->like->inputs : of->inputs;
+        const int even = of->like->even_inputs, odd = of->like->inputs - even;
+        const uint16_t inputs = (uint16_t)(n == 0 ? filled(even) + filled(odd) : filled(of->inputs));
         const uint16_t outputs = n == 0 ? of->units : of->outputs;
-        const uint8_t shift = n == 0 ? 44 : 35;
-        const int32_t limit = n == 0 ? of->clamp : 3 << 24;
+        const uint8_t shift = 32;
+        const int32_t limit = n == 0 ? of->clamp : 3 << 16;
         for (int k = 0; k < WIDE * WIDE; k++) {
             weight_w16[n][k] = (int16_t)((int)(rng_bits(&r) % 511) - 255);
             weight_w8[n][k] = (int8_t)((int)(rng_bits(&r) % 255) - 127);
         }
         for (int k = 0; k < WIDE; k++) {
-            bias_q24[n][k] = (int32_t)uniform(&r, -(1 << 29), 1 << 30);
-            multiplier_q24[n][k] = k == 0 ? 1 : k == 1 ? INT32_MAX : (int32_t)(rng_bits(&r) >> 1 | 1);
+            bias_q24[n][k] = (int32_t)uniform(&r, -(1 << 26), 1 << 26);
+            multiplier_q24[n][k] = k == 0 ? 1 : k == 1 ? INT32_MAX : (int32_t)(rng_bits(&r) >> 10 | 1);
         }
         const edml_dense_w16 w16 = {inputs, outputs, weight_w16[n], bias_q24[n], multiplier_q24[n],
                                     shift,  limit};
@@ -454,17 +468,23 @@ static void float_equivariant_networks_are_as_defined(void)
 
 /* ---- Rounding and limits of integers ---------------------------------------------------------------- */
 
-/* One layer y_n = (sum_n multiplier + half) >> shift, sum_n = x_n + offset. */
+/* One layer y_n = (sum_n multiplier + half) >> shift, sum_n = x_n + offset.  As it is the last one, y is in
+ * Q16 and limited to `clamp`. */
 static edml_model identity_w16(int32_t offset, int32_t multiplier, uint8_t shift, int32_t clamp)
 {
     memset(weight_w16[0], 0, sizeof weight_w16[0]);
     for (int n = 0; n < EDML_PAIRS; n++) {
-        weight_w16[0][n / EDML_ROWS * EDML_ROWS * EDML_PAIRS + n * EDML_ROWS + n % EDML_ROWS] = 1;
+        weight_w16[0][place_of(n, n, filled(EDML_PAIRS))] = 1;
         bias_q24[0][n] = offset;
         multiplier_q24[0][n] = multiplier;
     }
-    const edml_dense_w16 layer = {EDML_PAIRS,        EDML_PAIRS, weight_w16[0], bias_q24[0],
-                                  multiplier_q24[0], shift,      clamp};
+    const edml_dense_w16 layer = {(uint16_t)filled(EDML_PAIRS),
+                                  EDML_PAIRS,
+                                  weight_w16[0],
+                                  bias_q24[0],
+                                  multiplier_q24[0],
+                                  shift,
+                                  clamp};
     layers_w16[0] = layer;
     edml_model model = edml_fconn_w16;
     model.predict_q = edml__fconn_w16;
@@ -483,39 +503,43 @@ static int32_t first_distance(const edml_model *model, int32_t edm_value)
 
 static void integers_are_rounded_to_nearest(void)
 {
-    const edml_model input = identity_w16(0, 2, 1, 3 << 24); /* y = x */
+    const edml_model input = identity_w16(0, 1 << 16, 16, 3 << 16); /* y = x */
     TEST_ASSERT_EQUAL_INT32(0, first_distance(&input, 2047));
-    TEST_ASSERT_EQUAL_INT32(1, first_distance(&input, 2048));
-    TEST_ASSERT_EQUAL_INT32(1, first_distance(&input, 4096 + 2047));
-    const edml_model output = identity_w16(0, 3, 3, 3 << 24); /* y = 3/8 x */
+    TEST_ASSERT_EQUAL_INT32(256, first_distance(&input, 2048));
+    TEST_ASSERT_EQUAL_INT32(256, first_distance(&input, 4096 + 2047));
+    const edml_model output = identity_w16(0, 3 << 13, 16, 3 << 16); /* y = 3/8 x */
     TEST_ASSERT_EQUAL_INT32(0, first_distance(&output, 1 << 12));
-    TEST_ASSERT_EQUAL_INT32(1, first_distance(&output, 2 << 12));
-    TEST_ASSERT_EQUAL_INT32(2, first_distance(&output, 4 << 12)); /* a half goes up */
+    TEST_ASSERT_EQUAL_INT32(256, first_distance(&output, 2 << 12));
+    TEST_ASSERT_EQUAL_INT32(2 * 256, first_distance(&output, 4 << 12)); /* a half goes up */
 }
 
 static void integers_are_limited(void)
 {
-    const edml_model wide = identity_w16(0, 2, 1, INT32_MAX);
-    TEST_ASSERT_EQUAL_INT32(EDML_ACTIVATION, first_distance(&wide, HIGHEST));
-    const edml_model far = identity_w16(INT32_MAX - EDML_ACTIVATION, INT32_MAX, 31, 3 << 24);
+    const edml_model wide = identity_w16(0, 1 << 16, 16, INT32_MAX);
+    TEST_ASSERT_EQUAL_INT32(256 * EDML_ACTIVATION, first_distance(&wide, HIGHEST));
+    const edml_model far = identity_w16(INT32_MAX - EDML_ACTIVATION, INT32_MAX, 32, 3 << 16);
     TEST_ASSERT_EQUAL_INT32(3 << 24, first_distance(&far, HIGHEST));
-    const edml_model below = identity_w16(INT32_MIN, INT32_MAX, 1, 3 << 24);
+    const edml_model below = identity_w16(INT32_MIN, INT32_MAX, 1, 3 << 16);
     TEST_ASSERT_EQUAL_INT32(0, first_distance(&below, HIGHEST));
-    const edml_model tiny = identity_w16(INT32_MAX - EDML_ACTIVATION, INT32_MAX, 62, 3 << 24);
-    TEST_ASSERT_EQUAL_INT32(1, first_distance(&tiny, HIGHEST));
+    const edml_model tiny = identity_w16(INT32_MAX - EDML_ACTIVATION, 2, 32, 3 << 16);
+    TEST_ASSERT_EQUAL_INT32(256, first_distance(&tiny, HIGHEST));
+    const edml_model nothing = identity_w16(INT32_MAX - EDML_ACTIVATION, 1, 32, 3 << 16);
+    TEST_ASSERT_EQUAL_INT32(0, first_distance(&nothing, HIGHEST)); /* a half but for one in 2^32 */
 }
 
 /* An equivariant layer whose first row is an even input plus an odd one. */
 static edml_model sum_w16(int32_t offset, int32_t multiplier, uint8_t shift)
 {
     memset(weight_w16[0], 0, sizeof weight_w16[0]);
-    weight_w16[0][0] = weight_w16[0][edml_direct_w16.even_inputs * EDML_ROWS] = 1;
+    const int even = filled(edml_direct_w16.even_inputs);
+    const int inputs = even + filled(edml_direct_w16.inputs - edml_direct_w16.even_inputs);
+    weight_w16[0][place_of(0, 0, inputs)] = weight_w16[0][place_of(0, even, inputs)] = 1;
     for (int k = 0; k < 32; k++) {
         bias_q24[0][k] = offset;
         multiplier_q24[0][k] = multiplier;
     }
-    const edml_dense_w16 layer = {edml_direct_w16.inputs, 32,    weight_w16[0], bias_q24[0],
-                                  multiplier_q24[0],      shift, 3 << 24};
+    const edml_dense_w16 layer = {(uint16_t)inputs,  32,    weight_w16[0], bias_q24[0],
+                                  multiplier_q24[0], shift, 3 << 16};
     layers_w16[0] = layer;
     edml_model model = edml_direct_w16;
     model.predict_q = edml__equivariant_w16;
@@ -524,37 +548,38 @@ static edml_model sum_w16(int32_t offset, int32_t multiplier, uint8_t shift)
     return model;
 }
 
+/* first, second: Q16 */
 static void check_sum(const edml_model *model, int32_t even, int32_t odd, int32_t first, int32_t second)
 {
     memset(in_q24, 0, sizeof in_q24);
     in_q24[0] = even;
     in_q24[model->even_inputs] = odd;
     predict_q(out_q24, in_q24, model);
-    TEST_ASSERT_EQUAL_INT32(first, out_q24[0]);
-    TEST_ASSERT_EQUAL_INT32(second, out_q24[32]);
+    TEST_ASSERT_EQUAL_INT32(256 * first, out_q24[0]);
+    TEST_ASSERT_EQUAL_INT32(256 * second, out_q24[32]);
 }
 
 static void signed_integers_are_rounded_and_limited_alike_on_either_side(void)
 {
-    const edml_model exact = sum_w16(0, 2, 1); /* y = x */
+    const edml_model exact = sum_w16(0, 1 << 17, 17); /* y = x */
     check_sum(&exact, 5 << 12, 3 << 12, 8, 2);
     check_sum(&exact, -(5 << 12), 3 << 12, -2, -8);
     check_sum(&exact, 2047, -2048, 0, 0); /* inputs to Q12: halves up */
     check_sum(&exact, 2048, -2049, 0, 2);
     check_sum(&exact, 8 * ONE, 0, 32767, 32767); /* inputs end at 32767 ... */
     check_sum(&exact, -8 * ONE, 0, -32768, -32768);
-    const edml_model eighth = sum_w16(0, 3, 3); /* y = 3/8 x */
-    check_sum(&eighth, 4 << 12, 0, 2, 2);       /* 1.5: halves away from zero */
+    const edml_model eighth = sum_w16(0, 3 << 14, 17); /* y = 3/8 x */
+    check_sum(&eighth, 4 << 12, 0, 2, 2);              /* 1.5: halves away from zero */
     check_sum(&eighth, -(4 << 12), 0, -2, -2);
     check_sum(&eighth, 1 << 12, 0, 0, 0);
     check_sum(&eighth, -(1 << 12), 0, 0, 0);
     const edml_model far = sum_w16(0, INT32_MAX, 20); /* ... and outputs at 3 m */
-    check_sum(&far, 7 * ONE, 0, 3 << 24, 3 << 24);
-    check_sum(&far, -7 * ONE, 0, -(3 << 24), -(3 << 24));
-    check_sum(&far, 0, 7 * ONE, 3 << 24, -(3 << 24));
-    const edml_model high = sum_w16(INT32_MAX - 65535, INT32_MAX, 62);
+    check_sum(&far, 7 * ONE, 0, 3 << 16, 3 << 16);
+    check_sum(&far, -7 * ONE, 0, -(3 << 16), -(3 << 16));
+    check_sum(&far, 0, 7 * ONE, 3 << 16, -(3 << 16));
+    const edml_model high = sum_w16(INT32_MAX - 65535, 2, 32);
     check_sum(&high, 7 * ONE, 0, 1, 1);
-    const edml_model low = sum_w16(-INT32_MAX + 65536, INT32_MAX, 62);
+    const edml_model low = sum_w16(-INT32_MAX + 65536, 2, 32);
     check_sum(&low, -7 * ONE, 0, -1, -1);
 }
 

@@ -53,8 +53,8 @@ def tiny_network() -> list[Dense]:
         bias = draws.draw(outputs) * (1 << 2 + scale)
         if last:
             bias[0] = 3 << 10 + scale
-        shift, clamp = (33 + scale - 24, FARTHEST) if last else (20 + scale, ACTIVATION)
-        multiplier = np.full(outputs, 1 << 20)
+        shift, clamp = (31, FARTHEST) if last else (32, ACTIVATION)
+        multiplier = np.full(outputs, 1 << (34 if last else 32) - scale)
         network.append(Dense(kernel.reshape(-1, outputs), bias, multiplier, shift, clamp))
     return network
 

@@ -45,6 +45,12 @@ def even_inputs(first: int, k: int, layer: Any) -> int:
     return first if k == 0 else layer.weight.shape[0] // 2
 
 
+def parts(first: int, k: int, weight: np.ndarray) -> tuple[int, int]:
+    """How many of the inputs of layer k, weights [in, out], are even and odd."""
+    even = first if k == 0 else len(weight) // 2
+    return even, len(weight) - even
+
+
 def checker(known: Layout) -> Callable[[Iterable[tuple[Any, Any]]], list[Layer]]:
     """A function that returns layers in float32, if the C kernel can run them; else ExportError."""
 

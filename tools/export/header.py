@@ -14,7 +14,7 @@ from export.kinds import FCONN, Kind
 from export.layers import ExportError, Layer, digest, one_line
 from export.packing import Packed, fnv1a, groups_of, pack
 from export.settings import MISSING, ModelSettings
-from model.constants import GROUP, WEIGHTS_FORMAT
+from model.constants import CHUNK, GROUP, WEIGHTS_FORMAT
 from model.manifest import NO_FUSION
 
 # ---- What is said of a quantised network -------------------------------------------------------
@@ -90,7 +90,7 @@ def write_header(
         network, lines = layers, {"quantiser": "none (float32)"}
     else:
         network, lines = quantised(kind, layers, settings, form)
-    packed = [pack(layer, kind.order(k, layer.weight)) for k, layer in enumerate(network)]
+    packed = [pack_layer(kind, k, layer) for k, layer in enumerate(network)]
     checksum = fnv1a(packed)
     parts = [
         comment_text(kind, layers, settings, model, source_name, form, lines),
@@ -106,6 +106,12 @@ def write_header(
         f"edml_{model}: {kind.shape(layers)}, {parameter_count(layers)} parameters, "
         f"{flash} bytes of flash, checksum 0x{checksum:08x}: {path}{said}"
     )
+
+
+def pack_layer(kind: Kind, k: int, layer: Layer | quantise.Dense) -> Packed:
+    """Layer k as the kernel of its kind reads it."""
+    parts = kind.parts(k, layer.weight) if kind.parts else None
+    return pack(layer, kind.order(k, layer.weight), parts)
 
 
 GUARD = f"""\
@@ -166,13 +172,17 @@ def layer_text(
     for name, array in layer.arrays.items():
         size = sizes.get(name, f"{groups} * {GROUP}")
         unit = unit_of(array) if name == "weight" and array.dtype.kind == "f" else None
-        text += array_text(f"{model}_{name}{number}", size, array, unit)
+        block = GROUP * CHUNK if name == "weight" and layer.in_blocks else None
+        text += array_text(f"{model}_{name}{number}", size, array, unit, block)
     return text
 
 
-def array_text(name: str, size: str, values: np.ndarray, unit: int | None = None) -> str:
+def array_text(
+    name: str, size: str, values: np.ndarray, unit: int | None = None, block: int | None = None
+) -> str:
     """GROUP values a line: of weights, those of one input.  With a unit, floats are integers times
-    2^unit, and a macro takes the place of the comma: half the text of hexadecimal floats."""
+    2^unit, and a macro takes the place of the comma: half the text of hexadecimal floats.  A macro
+    puts each `block` of values in the order of the processor."""
     kind, text = ("float", hex_float) if values.dtype.kind == "f" else (f"{values.dtype}_t", str)
     if values.dtype.itemsize < 4:
         kind += " EDML_ALIGN4"
@@ -180,8 +190,13 @@ def array_text(name: str, size: str, values: np.ndarray, unit: int | None = None
     if unit is not None:
         values, text, comma = np.rint(values / 2.0**unit).astype(int), str, " U "
         before, after = f"#define U * 0x1p{unit}F,\n", "#undef U\n"
-    lines = (comma.join(map(text, row)) + comma[:-1] for row in values.reshape(-1, GROUP).tolist())
-    body = "".join(f"    {line}\n" for line in lines)
+    rows = [comma.join(map(text, row)) + comma[:-1] for row in values.reshape(-1, GROUP).tolist()]
+    if block is not None:
+        count = block // GROUP
+        for at in range(0, len(rows), count):
+            rows[at] = f"EDML_BLOCK({rows[at]}"
+            rows[at + count - 1] = f"{rows[at + count - 1][:-1]}),"
+    body = "".join(f"    {row}\n" for row in rows)
     return f"{before}static const {kind} {name}[{size}] = {{\n{body}}};\n{after}"
 
 

@@ -55,6 +55,8 @@ class Kind:
     needs: tuple[str, ...] = ("fewest_joints", "objective", "refine_steps", "mirror")
     # Weights [in, out] of layer k, their inputs as the kernel has them.
     order: Callable[[int, np.ndarray], np.ndarray] = lambda k, weight: weight
+    # How many of the inputs of layer k are of each kind, where its integers come in blocks.
+    parts: Callable[[int, np.ndarray], Sequence[int]] | None = None
     # The exponent of a unit in which weights are short texts, or None.
     unit: Callable[[np.ndarray], int | None] = lambda weight: None
 
@@ -79,6 +81,7 @@ def equivariant_kind(model: str, reads: Sequence[str], gives: Sequence[str], *ne
         even_inputs=known.even,
         outputs=len(known.has_even),
         needs=("fewest_joints", "fusion", *needs),
+        parts=functools.partial(equivariant.parts, known.even),
     )
 
 
@@ -86,7 +89,9 @@ DISTANCES = equivariant_kind(
     "distances", ["BODY", "DISTANCES"], ["DISTANCES", "POINTS"], "mds_share"
 )
 DIRECT = equivariant_kind("direct", ["BODY"], ["POINTS"])
-FCONN = Kind("fconn", "fconn", dense_text, DENSE, check_layers)
+FCONN = Kind(
+    "fconn", "fconn", dense_text, DENSE, check_layers, parts=lambda k, weight: [len(weight)]
+)
 FCONV = Kind(
     "fconv",
     "fconv",

@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from export.layers import ExportError, Layer
-from model.constants import ACTIVATION, INPUT_SHIFT
+from model.constants import ACTIVATION, INPUT_SHIFT, OUTPUT_SHIFT
 
 WEIGHT_TYPES = {"w16": np.int16, "w8": np.int8}
 WORD = 1 << 31
 METRE = 1 << 24  # of what the network gives, Q24
-FARTHEST = 3 * METRE  # what the stages behind the network are made for
+FARTHEST = 3 * METRE >> OUTPUT_SHIFT  # what the stages behind the network are made for
 HEADROOM = 1.25  # of the activations over the largest one in calibration
 VANISHING = 1e-6  # weights below it need not tell the scale of their row
 BISECTIONS = 50
@@ -33,7 +33,7 @@ class Dense(NamedTuple):
     weight: np.ndarray  # int16 or int8 [in, out]
     bias: np.ndarray  # int32 [out]
     multiplier: np.ndarray  # int32 [out], 1 and up
-    shift: int  # 1 to 62
+    shift: int  # 1 to 32
     clamp: int
 
 
@@ -107,7 +107,7 @@ def quantise(
     if not all(np.isfinite(values).all() for values in mean):
         raise ExportError("calibration: a mean is not finite")
     hidden = [plan.activation / (HEADROOM * x) for x in largest]
-    scales = [METRE >> INPUT_SHIFT, *hidden, METRE / plan.sums]
+    scales = [METRE >> INPUT_SHIFT, *hidden, (METRE >> OUTPUT_SHIFT) / plan.sums]
     dense = []
     for k, (weight, bias) in enumerate(equalised(layers)):
         inner = k < len(layers) - 1
@@ -116,7 +116,8 @@ def quantise(
         reach = input_ranges(plan, k, layers[k])
         rows = Rows(weight, bias, inputs, scales[k], reach, word)
         clamp = plan.activation if inner else FARTHEST
-        dense.append(quantise_layer(rows, scales[k + 1], WEIGHT_TYPES[form], clamp))
+        least = 32 if inner else 1
+        dense.append(quantise_layer(rows, scales[k + 1], WEIGHT_TYPES[form], clamp, least))
         prove(dense[k], k, reach, word)
     return dense
 
@@ -161,12 +162,12 @@ class Rows(NamedTuple):
         return weight, np.rint((self.bias * scale + lost) * self.x_scale)
 
 
-def quantise_layer(rows: Rows, y_scale: float, kind: type, clamp: int) -> Dense:
-    """A layer whose output is integers, multiples of 1 / y_scale."""
+def quantise_layer(rows: Rows, y_scale: float, kind: type, clamp: int, least: int = 1) -> Dense:
+    """A layer whose output is integers, multiples of 1 / y_scale; its shift is `least` or more."""
     scale = largest_scales(rows, np.iinfo(kind).max)
     ratio = y_scale / (scale * rows.x_scale)  # of an output to its sum
-    shift = int(min(62, 30 - np.floor(np.log2(ratio.max()))))
-    if shift < 1:
+    shift = int(min(32, 30 - np.floor(np.log2(ratio.max()))))
+    if shift < least:
         raise ExportError("a layer's outputs are too large to quantise")
     multiplier = np.clip(np.rint(ratio * 2.0**shift), 1, WORD - 1).astype(np.int32)
     weight, bias = rows.rounded(scale)
@@ -207,8 +208,10 @@ def prove(dense: Dense, number: int, reach: np.ndarray, word: int = WORD) -> Non
             f"layer {number}: sums of row {row} reach {lowest[row]} to {highest[row]}, "
             f"beyond {word.bit_length()} bits"
         )
-    if not (dense.multiplier > 0).all() or not 1 <= dense.shift <= 62:
+    if not (dense.multiplier > 0).all() or not 1 <= dense.shift <= 32:
         raise ExportError(f"layer {number}: multiplier or shift out of range")
+    if max(-lowest.min(), highest.max()) >= word >> 32 - dense.shift:
+        raise ExportError(f"layer {number}: sums leave 32 bits when they are shifted to the left")
 
 
 def run(network: Sequence[Dense], inputs: np.ndarray, plan: Plan = DENSE) -> np.ndarray:
@@ -222,7 +225,7 @@ def run(network: Sequence[Dense], inputs: np.ndarray, plan: Plan = DENSE) -> np.
         y = (sums * dense.multiplier + (1 << dense.shift - 1)) >> dense.shift
         return sign * np.minimum(y, dense.clamp)
 
-    return plan.forward(network, input_value(inputs), activate)[-1]
+    return plan.forward(network, input_value(inputs), activate)[-1] * (1 << OUTPUT_SHIFT)
 
 
 # ---- What the header says ----------------------------------------------------------------------

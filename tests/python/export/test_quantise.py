@@ -96,7 +96,7 @@ def parsed(text: str) -> dict[str, tuple[str, list[int]]]:
     pattern = r"static const (\w+_t)(?: EDML_ALIGN4)? (\w+)\[([\d *]+)\] = \{(.*?)\};"
     arrays = {}
     for kind, name, size, body in re.findall(pattern, text, re.DOTALL):
-        values = [int(word) for word in body.replace("\n", " ").split(",") if word.strip()]
+        values = [int(word) for word in re.sub(r"EDML_BLOCK\(|\)|\s", "", body).split(",") if word]
         assert len(values) == np.prod([int(n) for n in size.split("*")])
         arrays[name] = kind, values
     return arrays
@@ -179,7 +179,7 @@ def prove(dense: Dense, number: int) -> None:
 
 def dense_of(weight: list[int], bias: int, **changes: int) -> Dense:
     column = np.array(weight, np.int16)[:, None]
-    layer = Dense(column, np.array([bias], np.int32), np.array([1], np.int32), 1, 1)
+    layer = Dense(column, np.array([bias], np.int32), np.array([1], np.int32), 32, 1)
     return layer._replace(**changes)
 
 
@@ -197,7 +197,7 @@ def test_the_proof_is_exact(weight, room):
         prove(dense_of(flipped, -most - 1), 0)
 
 
-@pytest.mark.parametrize("changes", [{"shift": 0}, {"shift": 63}, {"multiplier": np.array([0])}])
+@pytest.mark.parametrize("changes", [{"shift": 0}, {"shift": 33}, {"multiplier": np.array([0])}])
 def test_the_proof_looks_at_multiplier_and_shift(changes):
     with pytest.raises(ExportError, match="multiplier or shift"):
         prove(dense_of([1], 0, **changes), 0)
@@ -228,11 +228,11 @@ def test_the_header_holds_the_network(folder, layers, calibration, form):
     table = []
     for k, dense in enumerate(quantise.quantise(layers, calibration, form)):
         inputs, outputs = dense.weight.shape
-        groups = -(-outputs // 8)
+        groups, filled = -(-outputs // 8), -(-inputs // 8) * 8
         weight = [
-            int(dense.weight[i, 8 * g + r]) if 8 * g + r < outputs else 0
+            int(dense.weight[i, 8 * g + r]) if 8 * g + r < outputs and i < inputs else 0
             for g in range(groups)
-            for i in range(inputs)
+            for i in range(filled)
             for r in range(8)
         ]
         padding = groups * 8 - outputs
@@ -244,8 +244,8 @@ def test_the_header_holds_the_network(folder, layers, calibration, form):
             "int32_t", dense.multiplier.tolist() + [1] * padding
         )  # fmt: skip
         names = ", ".join(f"{name}_{array}{k}" for array in ("weight", "bias", "multiplier"))
-        table.append(f"    {{{inputs}, {outputs}, {names}, {dense.shift}, {dense.clamp}}},")
-        assert dense.clamp == (3 << 24 if k == 2 else 32767)
+        table.append(f"    {{{filled}, {outputs}, {names}, {dense.shift}, {dense.clamp}}},")
+        assert dense.clamp == (3 << 16 if k == 2 else 32767)
     for kind, values in arrays.values():  # in the header's order
         for value in values:
             for byte in value.to_bytes(int(re.search(r"\d+", kind)[0]) // 8, "little", signed=True):

@@ -1,0 +1,22 @@
+/* rows.h for weights that lie input by input: eight rows.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_ROWS_BY_INPUT_H
+#define EDML_ROWS_BY_INPUT_H
+
+#include "dot8.h"
+
+enum { ROWS = EDML_ROWS };
+#define SLOT(k) (k)
+#define WEIGHTS_OF(layer, row) ((layer)->weight + (row) * (layer)->inputs)
+
+static void sum_rows(value sum[2][ROWS], const activation *x, const weight *w, const value *bias, int even,
+                     int odd)
+{
+    static const value none[ROWS] = {0};
+    dot8(sum[0], x, w, bias, even);
+    if (odd > 0) dot8(sum[1], x + even, w + ROWS * even, none, odd);
+}
+
+#endif
