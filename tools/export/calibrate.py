@@ -4,7 +4,7 @@ Only this part of the export needs JAX: what the network reads of the views is m
 own text.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,18 @@ import numpy as np
 from data.mocap import load_motion
 from export.kinds import Kind
 from export.layers import ExportError, Layer, digest
-from export.quantise import DENSE, METRE, WEIGHT_TYPES, Plan, equalised, quantise, run
+from export.quantise import (
+    DENSE,
+    METRE,
+    WEIGHT_TYPES,
+    Plan,
+    equalised,
+    largest_scales,
+    quantise,
+    rows_of,
+    run,
+)
+from export.rounding import compensated, to_text
 from export.settings import ModelSettings
 from model import constants
 from training.recipe import Recipe
@@ -25,6 +36,10 @@ try:
     from model import jax_stages, lifter
 except ImportError:  # whoever exports weights of their own may have no JAX
     jax = jax_stages = lifter = None
+
+
+# How many inputs of layer k, weights [in, out], are of each kind.
+Parts = Callable[[int, np.ndarray], Sequence[int]]
 
 
 def training_views(motions: Sequence[Path], settings: ModelSettings) -> Views:
@@ -67,8 +82,34 @@ def activations(
     return plan.forward(layers, inputs, activate)
 
 
-def calibrate(layers: Sequence[Layer], inputs: np.ndarray, plan: Plan = DENSE) -> dict[str, Any]:
-    """What quantising needs to know, and how well it does, on inputs [F,in]: for the manifest."""
+def rounding_steps(
+    layers: Sequence[Layer],
+    calibration: Mapping[str, Any],
+    values: Sequence[np.ndarray],
+    plan: Plan,
+    parts: Parts,
+) -> list[str]:
+    """How the weights of 8 bits are rounded, a text a layer, for what goes into each, [F,in]."""
+    texts = []
+    most = np.iinfo(WEIGHT_TYPES["w8"]).max
+    for k, rows in enumerate(rows_of(layers, calibration, plan)):
+        weight = rows.weight * largest_scales(rows, most)
+        ends = np.cumsum(parts(k, rows.weight))[:-1]
+        pieces = zip(
+            np.split(weight, ends), np.split(values[k] - rows.mean, ends, axis=1), strict=True
+        )
+        rounded = np.concatenate([compensated(piece, x, most) for piece, x in pieces])
+        texts.append(to_text(rounded - np.rint(weight)))
+    return texts
+
+
+def calibrate(
+    layers: Sequence[Layer], inputs: np.ndarray, plan: Plan = DENSE, parts: Parts | None = None
+) -> dict[str, Any]:
+    """What quantising needs to know, and how well it does, on inputs [F,in]: for the manifest.
+
+    parts  Kind.parts: inputs of one kind do not vary along with those of another
+    """
     if plan.views is not None and len(inputs) > plan.views:
         inputs = inputs[np.linspace(0, len(inputs) - 1, plan.views).astype(int)]
     exact = activations(layers, inputs, plan)[-1][:, plan.measured]
@@ -79,6 +120,8 @@ def calibrate(layers: Sequence[Layer], inputs: np.ndarray, plan: Plan = DENSE) -
         "largest": [round(plan.largest(x), 4) for x in values[1:]],
         "mean": [plan.mean(k, x).round(4).tolist() for k, x in enumerate(values)],
     }
+    if parts is not None:
+        calibration["steps"] = {"w8": rounding_steps(layers, calibration, values, plan, parts)}
     errors = {}
     for form in WEIGHT_TYPES:
         network = quantise(layers, calibration, form, plan)

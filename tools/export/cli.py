@@ -41,7 +41,7 @@ def record_calibration(
         inputs = training_inputs(kind, motions, settings)
     except (OSError, TypeError, ValueError) as error:
         raise ExportError(f"{', '.join(map(str, motions))}: {one_line(error)}") from error
-    noted = calibrate(layers, inputs, kind.plan)
+    noted = calibrate(layers, inputs, kind.plan, kind.parts)
     known = json.loads(manifest.read_text("utf-8"))
     replace_file(manifest, manifest_text(known | {"calibration": noted}))
     return f"{manifest}: hidden layers reach {noted['largest']} on {noted['views']} training views"

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from export.layers import ExportError, Layer
+from export.rounding import from_text
 from model.constants import ACTIVATION, INPUT_SHIFT, OUTPUT_SHIFT
 
 WEIGHT_TYPES = {"w16": np.int16, "w8": np.int8}
@@ -100,6 +101,19 @@ def quantise(
     layers: Sequence[Layer], calibration: Mapping[str, Any], form: str, plan: Plan = DENSE
 ) -> list[Dense]:
     """The network in integers, form "w16" or "w8"; raises ExportError where that cannot be."""
+    kind, steps = WEIGHT_TYPES[form], calibration.get("steps", {}).get(form)
+    dense = []
+    for k, rows in enumerate(rows_of(layers, calibration, plan)):
+        scale = largest_scales(rows, np.iinfo(kind).max)
+        if steps:
+            rows = rows._replace(steps=from_text(steps[k], rows.weight.shape))
+        dense.append(quantise_layer(rows, scale, kind))
+        prove(dense[k], k, rows.reach, rows.word)
+    return dense
+
+
+def rows_of(layers: Sequence[Layer], calibration: Mapping[str, Any], plan: Plan) -> list["Rows"]:
+    """Each layer as it is to be quantised."""
     largest = calibration["largest"]
     mean = [np.array(values, float) for values in calibration["mean"]]
     if not all(0 < x < np.inf for x in largest):
@@ -108,18 +122,23 @@ def quantise(
         raise ExportError("calibration: a mean is not finite")
     hidden = [plan.activation / (HEADROOM * x) for x in largest]
     scales = [METRE >> INPUT_SHIFT, *hidden, (METRE >> OUTPUT_SHIFT) / plan.sums]
-    dense = []
+    rows = []
     for k, (weight, bias) in enumerate(equalised(layers)):
         inner = k < len(layers) - 1
-        inputs = (plan.tap_shares(k)[:, None] * mean[k]).reshape(-1)
-        word = WORD if inner else WORD // plan.sums
-        reach = input_ranges(plan, k, layers[k])
-        rows = Rows(weight, bias, inputs, scales[k], reach, word)
-        clamp = plan.activation if inner else FARTHEST
-        least = 32 if inner else 1
-        dense.append(quantise_layer(rows, scales[k + 1], WEIGHT_TYPES[form], clamp, least))
-        prove(dense[k], k, reach, word)
-    return dense
+        rows.append(
+            Rows(
+                weight,
+                bias,
+                mean=(plan.tap_shares(k)[:, None] * mean[k]).reshape(-1),
+                x_scale=scales[k],
+                y_scale=scales[k + 1],
+                reach=input_ranges(plan, k, layers[k]),
+                clamp=plan.activation if inner else FARTHEST,
+                least_shift=32 if inner else 1,
+                word=WORD if inner else WORD // plan.sums,
+            )
+        )
+    return rows
 
 
 def input_ranges(plan: Plan, k: int, layer: Any) -> np.ndarray:
@@ -146,32 +165,36 @@ def equalised(layers: Sequence[Layer]) -> list[Layer]:
 
 
 class Rows(NamedTuple):
-    """A layer to be quantised; its input is to be integers, multiples of 1 / x_scale."""
+    """A layer to be quantised; its input is to be integers, multiples of 1 / x_scale, and so is its
+    output, of 1 / y_scale."""
 
     weight: np.ndarray  # [in, out]
     bias: np.ndarray  # [out]
     mean: np.ndarray  # [in], of the input
     x_scale: float
+    y_scale: float
     reach: np.ndarray  # [2,in], least and largest of the input
-    word: int = WORD  # the sums stay below, and above its negative
+    clamp: int  # of the output
+    least_shift: int
+    word: int  # the sums stay below, and above its negative
+    steps: np.ndarray | int = 0  # of the integers from the nearest, [in, out]
 
     def rounded(self, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Integers, still in double: weights times their row's scale [out], and biases."""
-        weight = np.rint(self.weight * scale)
+        weight = np.rint(self.weight * scale) + self.steps
         lost = ((self.weight * scale - weight) * self.mean[:, None]).sum(0)
         return weight, np.rint((self.bias * scale + lost) * self.x_scale)
 
 
-def quantise_layer(rows: Rows, y_scale: float, kind: type, clamp: int, least: int = 1) -> Dense:
-    """A layer whose output is integers, multiples of 1 / y_scale; its shift is `least` or more."""
-    scale = largest_scales(rows, np.iinfo(kind).max)
-    ratio = y_scale / (scale * rows.x_scale)  # of an output to its sum
+def quantise_layer(rows: Rows, scale: np.ndarray, kind: type) -> Dense:
+    """A layer whose rows have these scales [out]."""
+    ratio = rows.y_scale / (scale * rows.x_scale)  # of an output to its sum
     shift = int(min(32, 30 - np.floor(np.log2(ratio.max()))))
-    if shift < least:
+    if shift < rows.least_shift:
         raise ExportError("a layer's outputs are too large to quantise")
     multiplier = np.clip(np.rint(ratio * 2.0**shift), 1, WORD - 1).astype(np.int32)
     weight, bias = rows.rounded(scale)
-    return Dense(weight.astype(kind), bias.astype(np.int32), multiplier, shift, clamp)
+    return Dense(weight.astype(kind), bias.astype(np.int32), multiplier, shift, rows.clamp)
 
 
 def largest_scales(rows: Rows, most: int) -> np.ndarray:
