@@ -19,6 +19,7 @@
 #include "edmlift.h"
 #include "edmlift/body.h"
 #include "edmlift/camera.h"
+#include "edmlift/many.h"
 #include "edmlift/stages.h"
 
 #include "../number/compiler.h"

@@ -9,6 +9,7 @@
 #include "edmlift.h"
 #include "edmlift/body.h"
 #include "edmlift/camera.h"
+#include "edmlift/many.h"
 #include "edmlift/fixed.h"
 #include "edmlift/stages.h"
 
@@ -63,6 +64,7 @@ static inline int is_in_range_q16(int32_t a) { return a > -(INT32_C(1) << 29) &&
 #define edml_fuse edml_fuse_q
 #define edml_lift edml_lift_q
 #define edml_lift_with_camera edml_lift_with_camera_q
+#define edml_lift_many edml_lift_many_q
 #define edml_place edml_place_q
 #define edml_place_sweep edml_place_sweep_q
 #define edml_fit_body edml_fit_body_q

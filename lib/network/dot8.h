@@ -12,15 +12,16 @@
 #else
 
 /* y = b + W x of eight rows; y may be b.  Eight registers hold the sums, each in the order of the inputs:
- * the compiler may use vector instructions, and the bits are the same without them.  Out of line, because
- * the loop needs all of a Cortex-M's registers. */
+ * the compiler may use vector instructions, and the bits are the same without them.  Leaving a
+ * zero out changes no bit, as no sum is ever -0: no bias is.  Out of line, because the loop needs all of a
+ * Cortex-M's registers. */
 static EDML_NOINLINE void dot8(value y[EDML_ROWS], const activation *x, const weight *w, const value *b,
                                int inputs)
 {
     value s0 = b[0], s1 = b[1], s2 = b[2], s3 = b[3], s4 = b[4], s5 = b[5], s6 = b[6], s7 = b[7];
     for (const activation *const end = x + inputs; x < end; x++, w += EDML_ROWS) {
         const activation xi = *x;
-        if (xi == 0) continue; /* as most are, usually */
+        if (SKIPS_ZEROS && xi == 0) continue;
         s0 += (value)w[0] * xi;
         s1 += (value)w[1] * xi;
         s2 += (value)w[2] * xi;

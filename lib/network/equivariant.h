@@ -21,19 +21,20 @@
 #include "checksum.h"
 #include "rows.h"
 
-/* [0] what even inputs, [1] what odd ones add to the sums of ROWS rows, the first of them `row`: their sum is
- * that of a row, their difference that of its mirror row. */
-static void sum_parts(value sum[2][ROWS], const activation *x, int even, const dense_layer *layer, int row)
+/* [0] what even inputs, [1] what odd ones add to the sums of rows, the first of them `row`: their sum is that
+ * of a row, their difference that of its mirror row. */
+static void sum_parts(value sum[2][ROWS], const activation *x, int even, const dense_layer *layer, int row,
+                      int rows)
 {
-    sum_rows(sum, x, WEIGHTS_OF(layer, row), layer->bias + row, even, layer->inputs - even);
+    sum_rows(sum, x, WEIGHTS_OF(layer, row), layer->bias + row, even, layer->inputs - even, rows);
 }
 
-/* Units and mirror units of ROWS rows: y[k] is their sum, which is even, y[count + k] their difference.  Out
+/* Units and mirror units of rows: y[k] is their sum, which is even, y[count + k] their difference.  Out
  * of line, because sum_parts() leaves no registers. */
 static EDML_NOINLINE void activate_rows(activation *y, value sum[2][ROWS], const dense_layer *layer,
-                                        int row, int count)
+                                        int row, int rows, int count)
 {
-    for (int k = 0; k < ROWS; k++) {
+    for (int k = 0; k < rows; k++) {
         const value even = sum[0][k], odd = sum[1][k];
         const value unit = activate(even + odd, layer, row + k, EDML_PAIRED_BITS);
         const value mirror_unit = activate(even - odd, layer, row + k, EDML_PAIRED_BITS);
@@ -46,9 +47,10 @@ static void activate_layer(activation *y, const activation *x, int even, const d
                            int count)
 {
     for (int row = 0; row < count; row += ROWS) {
+        const int rows = rows_from(row, count);
         value sum[2][ROWS];
-        sum_parts(sum, x, even, layer, row);
-        activate_rows(y + row, sum, layer, row, count);
+        sum_parts(sum, x, even, layer, row, rows);
+        activate_rows(y + row, sum, layer, row, rows, count);
     }
 }
 
@@ -79,9 +81,10 @@ EDML_INTERNAL void WEIGHTS(edml__equivariant)(value *out, const value *in, const
     }
     const int count = EDML_ROWS * EDML_GROUPS(layer->outputs);
     for (int row = 0; row < count; row += ROWS) {
+        const int rows = rows_from(row, count);
         value sum[2][ROWS];
-        sum_parts(sum, x, even, layer, row);
-        for (int k = 0; k < ROWS; k++) {
+        sum_parts(sum, x, even, layer, row, rows);
+        for (int k = 0; k < rows; k++) {
             out[row + k] = signed_output(sum[0][k] + sum[1][k], layer, row + k);
             out[count + row + k] = signed_output(sum[0][k] - sum[1][k], layer, row + k);
         }

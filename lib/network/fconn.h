@@ -8,17 +8,20 @@
 #include "checksum.h"
 #include "rows.h"
 
-static void sum_all(value sum[2][ROWS], const activation *x, const dense_layer *layer, int row)
+/* Sums of rows, the first of them `row`, and how many. */
+static int sum_all(value sum[2][ROWS], const activation *x, const dense_layer *layer, int row)
 {
-    sum_rows(sum, x, WEIGHTS_OF(layer, row), layer->bias + row, layer->inputs, 0);
+    const int rows = rows_from(row, EDML_ROWS * EDML_GROUPS(layer->outputs));
+    sum_rows(sum, x, WEIGHTS_OF(layer, row), layer->bias + row, layer->inputs, 0, rows);
+    return rows;
 }
 
 static void dense_units(activation *y, const activation *x, const dense_layer *layer)
 {
     for (int row = 0; row < layer->outputs; row += ROWS) {
         value sum[2][ROWS];
-        sum_all(sum, x, layer, row);
-        for (int k = 0; k < ROWS; k++)
+        const int rows = sum_all(sum, x, layer, row);
+        for (int k = 0; k < rows; k++)
             y[row + SLOT(k)] = (activation)activate(sum[0][k], layer, row + k, EDML_UNIT_BITS);
     }
 }
@@ -39,8 +42,8 @@ EDML_INTERNAL void WEIGHTS(edml__fconn)(value *out, const value *in, const edml_
     }
     for (int row = 0; row < EDML_PAIRS; row += ROWS) {
         value sum[2][ROWS];
-        sum_all(sum, x, layer, row);
-        for (int k = 0; k < ROWS; k++) out[row + k] = output(sum[0][k], layer, row + k);
+        const int rows = sum_all(sum, x, layer, row);
+        for (int k = 0; k < rows; k++) out[row + k] = output(sum[0][k], layer, row + k);
     }
 }
 

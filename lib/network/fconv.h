@@ -84,7 +84,8 @@ static void fconv_pixel(activation *out, const convolution *c, int y, int x, val
                 if (sum[1][k] > largest[k]) largest[k] = sum[1][k];
         }
     }
-    for (int k = 0; k < outputs; k++) out[k] = (activation)activate(largest[k], c->layer, k, EDML_UNIT_BITS);
+    for (int k = 0; k < outputs; k++)
+        out[k] = (activation)activate(largest[k], c->layer, k, EDML_UNIT_BITS);
 }
 
 static void fill_map(activation *out, int side, const convolution *c, value sum[2][FCONV_CHANNELS])

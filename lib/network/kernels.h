@@ -16,9 +16,9 @@
 #define EDML_KERNEL_w16(network) EDML_KERNEL_OF(network, w16, int32_t)
 #define EDML_KERNEL_w8(network) EDML_KERNEL_OF(network, w8, int32_t)
 
-#define EDML_KERNEL_OF(network, weights, value)                                                          \
-    EDML_INTERNAL void edml__##network##_##weights(value *out, const value *in, const edml_model *model, \
-                                                   void *scratch);                                       \
+#define EDML_KERNEL_OF(network, weights, value)                                                            \
+    EDML_INTERNAL void edml__##network##_##weights(value *out, const value *in, const edml_model *model,   \
+                                                   void *scratch);                                         \
     EDML_INTERNAL uint32_t edml__##network##_checksum_##weights(const edml_model *model)
 
 #endif

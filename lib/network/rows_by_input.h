@@ -12,9 +12,10 @@ enum { ROWS = EDML_ROWS };
 #define WEIGHTS_OF(layer, row) ((layer)->weight + (row) * (layer)->inputs)
 
 static void sum_rows(value sum[2][ROWS], const activation *x, const weight *w, const value *bias, int even,
-                     int odd)
+                     int odd, int rows)
 {
     static const value none[ROWS] = {0};
+    (void)rows;
     dot8(sum[0], x, w, bias, even);
     if (odd > 0) dot8(sum[1], x + even, w + ROWS * even, none, odd);
 }

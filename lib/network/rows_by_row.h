@@ -24,8 +24,9 @@ static void add_blocks(value sum[ROWS], const activation *x, const weight *w, in
 }
 
 static EDML_NOINLINE void sum_rows(value sum[2][ROWS], const activation *x, const weight *w,
-                                   const value *bias, int even, int odd)
+                                   const value *bias, int even, int odd, int rows)
 {
+    (void)rows;
     for (int row = 0; row < ROWS; row++) {
         sum[0][row] = bias[row];
         sum[1][row] = 0;

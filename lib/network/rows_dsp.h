@@ -44,7 +44,7 @@ enum { ROWS = EDML_ROWS / 2 };
 __attribute__((naked, noinline)) static void sum_rows(
     value sum[2][ROWS] EDML_IN_REGISTER, const activation *x EDML_IN_REGISTER,
     const weight *w EDML_IN_REGISTER, const value *bias EDML_IN_REGISTER,
-    int even EDML_IN_REGISTER, int odd EDML_IN_REGISTER)
+    int even EDML_IN_REGISTER, int odd EDML_IN_REGISTER, int rows EDML_IN_REGISTER)
 {
     __asm__("    push   {r0, r4-r11, lr}\n"
             "    ldrd   r8, r9, [sp, #40]\n"

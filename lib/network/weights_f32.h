@@ -11,7 +11,8 @@
  *   output()           the same in the last layer
  *   signed_output()    what a row's sum becomes without a ReLU
  *   mean_output()      the mean of two sums of the last layer, behind the ReLU
- *   DOT8               the header that has dot8()
+ *   DOT8               the header that has dot8(), where the processor has its own
+ *   SKIPS_ZEROS        is it worth while to compare each input with zero, as half of them are?
  *
  * SPDX-License-Identifier: MIT
  */
@@ -57,7 +58,17 @@ static inline float mean_output(float a, float b, const dense_layer *layer)
 #define HASH_MULTIPLIERS(hash, layer, rows) (void)0
 
 enum { CHUNK = 1 };
+#if defined(__GNUC__) && (defined(__SSE2__) || defined(__aarch64__))
+#define SUM_ROWS "rows_vector.h"
+#else
 #define SUM_ROWS "rows_by_input.h"
+#endif
+
+#if defined(__SSE2__) || defined(__aarch64__)
+#define SKIPS_ZEROS 0
+#else
+#define SKIPS_ZEROS 1
+#endif
 
 #if defined(__GNUC__) && defined(__ARM_FP) && defined(__thumb2__)
 #define DOT8 "dot8_vfp.h"

@@ -56,12 +56,15 @@ static inline int32_t mean_output(int32_t a, int32_t b, const dense_layer *layer
 }
 
 enum { CHUNK = EDML_CHUNK };
+#define SKIPS_ZEROS 1
 #ifndef EDML_BLOCKS_BY_ROW
 #define SUM_ROWS "rows_by_input.h"
 #elif defined(__ARM_FEATURE_MVE) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
 #define SUM_ROWS "rows_mve.h"
 #elif defined(__ARM_FEATURE_DSP) && defined(__thumb2__) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
 #define SUM_ROWS "rows_dsp.h"
+#elif defined(__SSE2__)
+#define SUM_ROWS "rows_sse2.h"
 #else
 #define SUM_ROWS "rows_by_row.h"
 #endif

@@ -1,5 +1,5 @@
 /* network/dot8.h, the portable one, in float: the order and the rounding that dot8_vfp.h must equal.
- * tests/python/test_firmware.py runs that one, and dot8_dsp.h.
+ * tests/python/test_bits.py runs that one.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -26,7 +26,7 @@ static void expect(int inputs)
         plain[k] = b[k];
         for (int n = 0; n < inputs; n++) {
             volatile float product = x[n] * w[EDML_ROWS * n + k];
-            if (x[n] != 0) plain[k] += product;
+            plain[k] += product;
         }
     }
 }
@@ -44,15 +44,13 @@ static void sums_are_in_order_bit_for_bit(void)
     }
 }
 
-/* Whatever their weights are. */
-static void zeros_of_either_sign_are_left_out(void)
+/* So that it does not matter whether they are left out. */
+static void zeros_of_either_sign_change_no_bit(void)
 {
     rng r = rng_seed(2);
     fill(&r);
-    for (int n = 0; n < MOST; n++) {
-        x[n] = n % 2 ? -0.0F : 0.0F;
-        for (int k = 0; k < EDML_ROWS; k++) w[EDML_ROWS * n + k] = n % 3 ? INFINITY : NAN;
-    }
+    b[0] = 0;
+    for (int n = 0; n < MOST; n++) x[n] = n % 2 ? -0.0F : 0.0F;
     dot8(y, x, w, b, MOST);
     TEST_ASSERT_SAME_BYTES(b, y);
 }
@@ -61,6 +59,6 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(sums_are_in_order_bit_for_bit);
-    RUN_TEST(zeros_of_either_sign_are_left_out);
+    RUN_TEST(zeros_of_either_sign_change_no_bit);
     return UNITY_END();
 }

@@ -137,6 +137,7 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "edml_adapt*": (_VOID, _POINTER, _POINTER, _POINTER),
     "edml_lift*": (_STATUS, *[_POINTER] * 4, *_WORK),
     "edml_lift_with_camera*": (_STATUS, *[_POINTER] * 5, *_WORK),
+    "edml_lift_many*": (c_int, *[_POINTER] * 5, c_int, _POINTER, *_WORK),
     "edml_place": (_STATUS, _POINTER, _POINTER, _POINTER, _POINTER, *_WORK),
     "edml_place_sweep": (_STATUS, *[_POINTER] * 4, c_float, c_float, *_WORK),
     "edml_track_start": (_VOID, _POINTER),

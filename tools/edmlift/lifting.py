@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from ctypes import c_int
 from dataclasses import dataclass, fields, replace
 from typing import Any, TypeVar
 
@@ -26,7 +27,8 @@ from edmlift.keypoints import (
 )
 from edmlift.networks import Model, find_model
 
-_THREADED = "fconv"  # models so slow that poses are lifted side by side
+_WORTH_A_THREAD = {"fconv": 2}  # poses, by the model's name without its weights; of others ...
+_WORTH_ONE = 200
 _Record = TypeVar("_Record")
 
 
@@ -182,35 +184,38 @@ def _call(
     camera: NDArray[Any] | None,
     kind: np.dtype[np.void],
 ) -> tuple[NDArray[np.void], NDArray[np.int32]]:
-    """Poses [F] and status [F] of edml_lift(), or edml_lift_with_camera(), with this suffix."""
+    """Poses [F] and status [F] of edml_lift_many() with this suffix, on all processors."""
+    joints = np.ascontiguousarray(joints)
     directions = None if up is None else np.ascontiguousarray(up)
-    name = "edml_lift" if camera is None else "edml_lift_with_camera"
-    function = getattr(model.c, name + suffix)
-    known = [] if camera is None else [pointer(camera)]
-    poses, status = np.zeros(len(joints), kind), np.zeros(len(joints), np.int32)
+    function = getattr(model.c, f"edml_lift_many{suffix}")
+    poses, status = np.zeros(len(joints), kind), np.zeros(len(joints), c_int)
+    known = None if camera is None else pointer(camera)
 
-    def run(start: int, step: int) -> None:
-        work = model.work()
-        for i in range(start, len(joints), step):
-            source = joints.ctypes.data + i * joints.strides[0]
-            target = poses.ctypes.data + i * kind.itemsize
-            above = None if directions is None else pointer(directions[i])
-            status[i] = function(
-                target, source, above, *known, model.address, work, model.work_bytes
-            )
+    def run(start: int, end: int) -> None:
+        """Frames from start to end."""
+        if start == end:
+            return
+        above = None if directions is None else pointer(directions[start:])
+        function(
+            pointer(poses[start:]), pointer(status[start:]), pointer(joints[start:]), above, known,
+            end - start, model.address, model.work(), model.work_bytes,
+        )  # fmt: skip
 
-    if model.name.startswith(_THREADED):
-        side_by_side(run)
-    else:
-        run(0, 1)
+    least = _WORTH_A_THREAD.get(model.name.partition("_")[0], _WORTH_ONE)
+    side_by_side(run, len(joints), least)
     return poses, status
 
 
-def side_by_side(run: Callable[[int, int], None]) -> None:
-    """run(start, step) for each processor: while C runs, so may another."""
-    threads = os.cpu_count() or 1
+def side_by_side(run: Callable[[int, int], None], count: int, least: int) -> None:
+    """run(start, end) of a part of `count` for each processor, of `least` or more: while C runs,
+    so may another."""
+    threads = max(1, min(os.cpu_count() or 1, count // least))
+    ends = [count * n // threads for n in range(threads + 1)]
+    if threads == 1:
+        run(0, count)
+        return
     with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(run, range(threads), [threads] * threads))
+        list(pool.map(run, ends, ends[1:]))
 
 
 def to_poses(

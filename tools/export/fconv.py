@@ -32,7 +32,7 @@ def layers_of(arrays: Mapping[str, Any]) -> list[Layer]:
     for name in NAMES:
         last = name == NAMES[-1]
         weight = to_float32(arrays.get(f"{name}_weight"), f"{name}_weight", 1 if last else 4)
-        bias = to_float32(arrays.get(f"{name}_bias"), f"{name}_bias", 1)
+        bias = to_float32(arrays.get(f"{name}_bias"), f"{name}_bias", 1) + np.float32(0)  # not -0
         kernel = (TAPS, TAPS, channels)
         if weight.shape[:3] != ((channels,) if last else kernel):
             raise ExportError(f"{name}_weight is {weight.shape}, not of {channels} channels, 7x7")

@@ -37,7 +37,10 @@ def check_layers(
     units        how many an output of the others is: 2 in an equivariant network
     """
     layers = [
-        Layer(to_float32(weight, f"layer {k}: weight", 2), to_float32(bias, f"layer {k}: bias", 1))
+        Layer(
+            to_float32(weight, f"layer {k}: weight", 2),
+            to_float32(bias, f"layer {k}: bias", 1) + np.float32(0),  # which makes 0 of -0
+        )
         for k, (weight, bias) in enumerate(layers)
     ]
     if not layers:
