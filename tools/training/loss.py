@@ -189,7 +189,7 @@ def make_optimizer(recipe: Recipe, steps_per_epoch: int) -> optax.GradientTransf
 
 def muon(schedule: optax.Schedule) -> optax.GradientTransformation:
     """Muon (K. Jordan et al., 2024): steps along orthogonalised momentum for the matrices of
-    weights, by Adam for the rest.  Steps are scaled to the size that Adam's have."""
+    weights, and Adam's with Nesterov's momentum for the rest.  All are about as large as Adam's."""
 
     def matrices(params: Params) -> Any:
         """Which parameters are such matrices; None: not this one."""

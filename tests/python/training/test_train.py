@@ -18,7 +18,7 @@ from export.settings import read_settings
 from model import constants, fconn, fconv, jax_stages, layout, reference
 from model.manifest import NEAREST
 from training import manifest, mirror, views
-from training.loss import mds_poses
+from training.loss import make_optimizer, mds_poses
 from training.recipe import MAX_MISSING, RECIPES, Recipe, scale_epochs
 from training.run import Run, split
 
@@ -121,6 +121,31 @@ def test_the_papers_recipe_is_the_papers():
     paper = RECIPES["paper"]
     assert (paper.l2_epochs, paper.pose_epochs, paper.batch) == (500, 0, 200)
     assert (paper.dropout, paper.rate, paper.drop_rate_at) == (0.5, 1e-3, 0.5)
+
+
+def test_muon_orthogonalises_the_steps_of_matrices_alone():
+    """All singular values of a matrix's step are alike; a bias's is about Adam's."""
+    rng = np.random.default_rng(6)
+    params = {"weight0": jnp.zeros((20, 12)), "bias0": jnp.zeros(12), "fusion": {"misfit": 0.0}}
+    causes = rng.normal(size=(20, 12)) @ np.diag(np.geomspace(1, 0.2, 12))
+    gradient = {"weight0": jnp.asarray(causes), "bias0": jnp.ones(12), "fusion": {"misfit": 1.0}}
+    steps = {}
+    for adam in (False, True):
+        recipe = dataclasses.replace(SHORT, adam=adam, clip=0.0, rate=1e-3)
+        optimizer = make_optimizer(recipe, 1)
+        state = optimizer.init(params)
+        for _ in range(2):  # the rate starts at zero
+            steps[adam], state = optimizer.update(gradient, state, params)
+    values = np.linalg.svd(steps[False]["weight0"], compute_uv=False)
+    assert values.max() < 2 * values.min()
+    assert np.ptp(np.linalg.svd(steps[True]["weight0"], compute_uv=False)) > 0.5 * values.mean()
+    assert np.allclose(steps[False]["bias0"], steps[True]["bias0"], rtol=0.2)
+    assert np.isclose(steps[False]["fusion"]["misfit"], steps[True]["fusion"]["misfit"], rtol=0.2)
+
+
+def test_the_papers_networks_are_trained_by_adam():
+    known = {name: recipe.adam for name, recipe in RECIPES.items()}
+    assert not known.pop("distances") and not known.pop("direct") and all(known.values())
 
 
 def test_epochs_are_scaled_to_a_total():
