@@ -23,6 +23,7 @@ from edmlift.keypoints import from_bits, read_up
 from edmlift.networks import Model
 
 _F32 = NDArray[np.float32]
+_ONE_Q24 = 1 << 24
 
 
 @dataclass(frozen=True)
@@ -117,6 +118,13 @@ class Stages:
         out, given = np.zeros((JOINT_COUNT, 3), np.float32), _f32(distance)
         self._c.edml_mds(pointer(out), pointer(given), self._work)
         return out
+
+    def mds_q(self, distance: ArrayLike) -> NDArray[np.float64]:
+        """The same in fixed point: distances to the nearest Q24."""
+        given = np.rint(np.asarray(distance, np.float64) * _ONE_Q24).astype(np.int32)
+        out = np.zeros((JOINT_COUNT, 3), np.int32)
+        self._c.edml_mds_q(pointer(out), pointer(given), self._work)
+        return out / _ONE_Q24
 
     def refine(
         self, points: ArrayLike, distance: ArrayLike, objective: str, steps: int
