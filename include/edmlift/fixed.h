@@ -69,9 +69,9 @@ typedef struct {
         int32_t matrix[EDML_JOINTS][EDML_JOINTS], values[196];
     } io;
     union {
-        int32_t layer[2][192];
+        int16_t layers[2][192];
         struct {
-            edml_plane_rotation_q sweep[132];
+            edml_plane_rotation_q sweep[86];
             edml_jacobi_rotation_q jacobi[12];
         } rotation;
         edml_point_q24 step[4][EDML_JOINTS];
@@ -80,7 +80,7 @@ typedef struct {
 
 typedef struct { /* of a lift with FConv: 11 KB */
     edml_work_q lift;
-    int32_t more_scratch[2020];
+    int32_t more_scratch[2208];
 } edml_fconv_work_q;
 
 size_t edml_model_work_bytes_q(const edml_model *model); /* for edml_lift_q(); 0: not for that lift */

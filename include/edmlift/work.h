@@ -44,10 +44,10 @@ typedef struct {
         int32_t integers[196];
     } io;
     union {
-        float layer[2][192];
-        int32_t integer_layer[2][192];
-        struct { /* edml_mds(): four sweeps for each of three eigenvalues */
-            edml_plane_rotation sweep[132];
+        float layer[192];
+        int16_t layers[2][192];
+        struct {
+            edml_plane_rotation sweep[86];
             edml_jacobi_rotation jacobi[12];
         } rotation;
         edml_point step[4][EDML_JOINTS];
@@ -56,7 +56,7 @@ typedef struct {
 
 typedef struct {
     edml_work lift;
-    float more_scratch[4100];
+    float more_scratch[4288];
 } edml_fconv_work; /* with FConv: 19 KB */
 
 #ifdef __cplusplus

@@ -58,12 +58,12 @@ static void expand(point y[EDML_JOINTS])
     y[EDML_JOINTS - 1] = minus(minus(zero, shift), part);
 }
 
-enum { MOST_SWEEPS = 4 };        /* for an eigenvalue; one is usual */
-#define SPLIT REAL(9.5367432e-7) /* 2^-20: beside a norm of 1 this is nothing */
+static const uint8_t most_sweeps[3] = {2, 2, 4}; /* for each eigenvalue; one is usual */
+#define SPLIT REAL(9.5367432e-7)                 /* 2^-20: beside a norm of 1 this is nothing */
 
 /* Splits the largest eigenvalue off at the head of a band of order n.  Returns the norm by which the rest of
  * the band is divided, and the number of sweeps. */
-static real split_largest(edml_plane_rotation *done, int *sweeps, real *band, int n)
+static real split_largest(edml_plane_rotation *done, int *sweeps, int most, real *band, int n)
 {
     const real norm = divide_by_norm(band, n);
     *sweeps = 0;
@@ -72,7 +72,7 @@ static real split_largest(edml_plane_rotation *done, int *sweeps, real *band, in
     do {
         sweep(done + *sweeps * (n - 1), band, n, eigenvalue);
         ++*sweeps;
-    } while (*sweeps < MOST_SWEEPS && ABS(band[1]) > SPLIT);
+    } while (*sweeps < most && ABS(band[1]) > SPLIT);
     return norm;
 }
 
@@ -85,7 +85,7 @@ static void three_largest(point y[EDML_JOINTS], real *gram, edml_work *work)
     int sweeps[3];
     tridiagonalise(gram, band);
     for (int k = 0; k < 3; k++) {
-        scale = MUL(scale, split_largest(done, &sweeps[k], band + 2 * k, ORDER - k));
+        scale = MUL(scale, split_largest(done, &sweeps[k], most_sweeps[k], band + 2 * k, ORDER - k));
         done += sweeps[k] * (ORDER - 1 - k);
         for (int j = 0; j < 3; j++) leading[k][j] = 0;
         leading[k][k] = MUL(scale, band[2 * k]);

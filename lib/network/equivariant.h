@@ -62,22 +62,21 @@ static int read_inputs(activation *x, const value *in, int count)
     return filled;
 }
 
-/* `out` may be `in`. */
+/* `out` may be `in`, and holds EDML_MAX_UNITS.  Layers write to scratch and to OTHER_UNITS in turn, so that the
+ * last one reads the scratch. */
 EDML_INTERNAL void WEIGHTS(edml__equivariant)(value *out, const value *in, const edml_model *model,
                                               void *scratch)
 {
-    activation(*units)[EDML_MAX_UNITS] = scratch;
     const dense_layer *layer = model->layers;
-    activation *x = units[0], *y = units[1];
+    activation *x = scratch, *y = OTHER_UNITS(scratch, out);
+    if (model->layer_count % 2 == 0) swap_units(&x, &y);
     int even = read_inputs(x, in, model->even_inputs);
     read_inputs(x + even, in + model->even_inputs, model->inputs - model->even_inputs);
     for (int n = 1; n < model->layer_count; n++, layer++) {
         const int count = EDML_ROWS * EDML_GROUPS(layer->outputs);
         activate_layer(y, x, even, layer, count);
         even = count;
-        activation *const read = x;
-        x = y;
-        y = read;
+        swap_units(&x, &y);
     }
     const int count = EDML_ROWS * EDML_GROUPS(layer->outputs);
     for (int row = 0; row < count; row += ROWS) {

@@ -26,19 +26,18 @@ static void dense_units(activation *y, const activation *x, const dense_layer *l
     }
 }
 
+/* As edml__equivariant_...(). */
 EDML_INTERNAL void WEIGHTS(edml__fconn)(value *out, const value *in, const edml_model *model, void *scratch)
 {
-    activation(*units)[EDML_MAX_UNITS] = scratch;
     const dense_layer *layer = model->layers;
-    activation *x = units[0], *y = units[1];
+    activation *x = scratch, *y = OTHER_UNITS(scratch, out);
+    if (model->layer_count % 2 == 0) swap_units(&x, &y);
     for (int k = 0; k < layer->inputs; k++)
         x[SLOT(k)] = k < EDML_PAIRS ? (activation)network_input(in[k]) : 0;
     for (int n = 1; n < model->layer_count; n++, layer++) {
         dense_units(y, x, layer);
         for (int k = layer->outputs; k < layer[1].inputs; k++) y[SLOT(k)] = 0; /* what is filled up */
-        activation *const read = x;
-        x = y;
-        y = read;
+        swap_units(&x, &y);
     }
     for (int row = 0; row < EDML_PAIRS; row += ROWS) {
         value sum[2][ROWS];

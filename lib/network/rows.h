@@ -15,6 +15,13 @@
 
 #include SUM_ROWS
 
+static void swap_units(activation **x, activation **y)
+{
+    activation *const was = *x;
+    *x = *y;
+    *y = was;
+}
+
 static int rows_from(int row, int count) { return count - row < ROWS ? count - row : ROWS; }
 
 #endif

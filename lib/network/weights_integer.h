@@ -56,6 +56,7 @@ static inline int32_t mean_output(int32_t a, int32_t b, const dense_layer *layer
 }
 
 enum { CHUNK = EDML_CHUNK };
+#define OTHER_UNITS(scratch, out) ((activation *)(scratch) + EDML_MAX_UNITS)
 #define SKIPS_ZEROS 1
 #ifndef EDML_BLOCKS_BY_ROW
 #define SUM_ROWS "rows_by_input.h"

@@ -94,7 +94,7 @@ struct edml_work_checked {
     } io;
     struct {
         struct {
-            edml_plane_rotation_checked sweep[132];
+            edml_plane_rotation_checked sweep[86];
             edml_jacobi_rotation_checked jacobi[12];
         } rotation;
         point step[4][EDML_JOINTS];
