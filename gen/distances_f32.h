@@ -9,7 +9,7 @@
  * training    recipe distances, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 8
+#if EDML_WEIGHTS_FORMAT != 9
 #error "regenerate with tools/export_weights.py"
 #endif
 
@@ -5112,6 +5112,8 @@ const edml_model edml_distances_f32 = {
     sizeof(edml_work),
     0,
     &edml_default_imputation,
+    NULL,
+    NULL,
     EDML_STRESS_NONE,
     0, /* refinement steps */
     {{0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}}, /* mirror */

@@ -13,7 +13,7 @@
  * training    recipe distances, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 8
+#if EDML_WEIGHTS_FORMAT != 9
 #error "regenerate with tools/export_weights.py"
 #endif
 
@@ -5231,6 +5231,8 @@ const edml_model edml_distances_w16 = {
     sizeof(edml_work),
     sizeof(edml_work_q),
     &edml_default_imputation,
+    NULL,
+    NULL,
     EDML_STRESS_NONE,
     0, /* refinement steps */
     {{0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}}, /* mirror */

@@ -10,6 +10,7 @@
  *   PARAM(n)         an edml_number of the model
  *   WORK_BYTES(m)    work memory of a lift with the model; 0: it cannot be run
  *   RUN_NETWORK      runs the model's network
+ *   ORIENT_ALONE     what follows the MDS of distances alone
  *
  * SPDX-License-Identifier: MIT
  */
@@ -38,5 +39,6 @@ typedef float api_real;
 #define PARAM(number) (number).f32
 #define WORK_BYTES(model) (model)->work_bytes
 #define RUN_NETWORK edml__run_network
+#define ORIENT_ALONE(work, model) (model)->orient_f32(work, model)
 
 #endif

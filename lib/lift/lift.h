@@ -13,10 +13,8 @@
 #include "edm.h"
 #include "fuse.h"
 #include "mds.h"
-#include "mirror.h"
-#include "orient.h"
+#include "orient_alone.h"
 #include "predict.h"
-#include "refine.h"
 
 /* Points in the body's frame, of what the network says. */
 static edml_status find_points(edml_work *work, const edml_model *model)
@@ -27,14 +25,9 @@ static edml_status find_points(edml_work *work, const edml_model *model)
         return EDML_OK;
     }
     edml_mds(work->x, said->distance, work);
-    edml_refine(work->x, said->distance, (edml_objective)model->objective, model->refine_steps, work);
-    if (model->gives & EDML_GIVES_POINTS) {
-        edml_align(work->x, said->x, model);
-        return EDML_OK;
-    }
-    const edml_status status = edml_orient(work->x, &work->image);
-    if (status == EDML_OK) edml_mirror(work->x, model);
-    return status;
+    if (!(model->gives & EDML_GIVES_POINTS)) return ORIENT_ALONE(work, model);
+    edml_align(work->x, said->x, model);
+    return EDML_OK;
 }
 
 /* From the body's frame to the camera's axes: two sums, as in turn_down(). */

@@ -30,6 +30,7 @@ typedef int32_t api_real;
 #define PARAM(number) real((number).q24)
 #define WORK_BYTES(model) ((model)->work_bytes_q != 0 ? sizeof(edml_work) : 0)
 #define RUN_NETWORK checked_network
+#define ORIENT_ALONE(work, model) edml__orient_alone(work, model)
 
 static inline bool checked_range(int32_t a) { return -(1 << 29) < a && a < 1 << 29; }
 static inline bool checked_range(real a) { return checked_range(a.value()); }
@@ -140,6 +141,7 @@ static inline void checked_network(const edml_model *model, edml_work_checked *w
 #define edml_align edml_align_checked
 #define edml_orient edml_orient_checked
 #define edml_fuse edml_fuse_checked
+#define edml__orient_alone edml__orient_alone_checked
 #define edml_lift edml_lift_checked
 #define edml_lift_with_camera edml_lift_with_camera_checked
 #define edml_place edml_place_checked

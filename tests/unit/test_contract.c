@@ -345,6 +345,21 @@ static void a_model_that_reads_or_gives_something_else_is_refused(void)
     }
 }
 
+/* Of distances alone the lift makes a pose by what the model names. */
+static void distances_alone_without_what_orients_them_are_refused(void)
+{
+    for (int n = 0; n < FUNCTIONS; n++) {
+        if (!takes(&functions[n], MODEL) || !takes(&functions[n], WORK)) continue;
+        prepare(&FCONN);
+        memory.model.orient_f32 = NULL;
+        check_failure(&functions[n], EDML_ERR_MODEL, "no orientation in float");
+        prepare(&FCONN);
+        memory.model.work_bytes_q = sizeof work;
+        memory.model.orient_q = NULL;
+        check_failure(&functions[n], EDML_ERR_MODEL, "no orientation in fixed point");
+    }
+}
+
 static void a_model_that_this_arithmetic_cannot_run_is_refused(void)
 {
     for (int n = 0; n < FUNCTIONS; n++) {
@@ -591,6 +606,7 @@ int main(void)
     RUN_TEST(just_enough_is_enough);
     RUN_TEST(models_say_how_much_they_need);
     RUN_TEST(a_model_that_reads_or_gives_something_else_is_refused);
+    RUN_TEST(distances_alone_without_what_orients_them_are_refused);
     RUN_TEST(a_model_that_this_arithmetic_cannot_run_is_refused);
     RUN_TEST(every_fault_has_its_status_and_leaves_no_trace);
     RUN_TEST(null_is_refused_whatever_else_is_wrong);

@@ -83,6 +83,8 @@ def write_header(
     Raises ExportError, and then leaves what was at `path` as it was.
     """
     layers = kind.checked(layers)
+    if settings.objective != "none" and not kind.alone:
+        raise ExportError("manifest: objective must be none where a network gives points as well")
     if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name):
         raise ExportError(f"name '{name}' must be lower-case letters, digits, single underscores")
     model = f"{name}_{form}"
@@ -225,7 +227,7 @@ def model_text(
     """The model itself.  By position, because C++ has no designated initialisers before 2020; and
     declared first, because C++ would keep a constant to its file."""
     kernel = f"edml__{kind.name}_{form}"
-    of_float = form == "f32"
+    of_float, orient = form == "f32", "edml__orient_alone"
     mirror = ", ".join(map(number_text, settings.mirror))
     share, misfit, distance = (settings.fusion[name] for name in NO_FUSION)
     fusion = ", ".join(map(number_text, (share, misfit**2, 1 / distance)))
@@ -249,6 +251,8 @@ const edml_model edml_{model} = {{
     sizeof({kind.work}),
     {"0" if of_float else f"sizeof({kind.work}_q)"},
     {MISSING[settings.missing]},
+    {orient if kind.alone else "NULL"},
+    {f"{orient}_q" if kind.alone and not of_float else "NULL"},
     EDML_STRESS_{settings.objective.upper()},
     {settings.refine_steps}, /* refinement steps */
     {{{mirror}}}, /* mirror */

@@ -61,6 +61,11 @@ class Kind:
     unit: Callable[[np.ndarray], int | None] = lambda weight: None
 
     @property
+    def alone(self) -> bool:
+        """Does it give distances and nothing else?"""
+        return tuple(self.gives) == ("DISTANCES",)
+
+    @property
     def of_body(self) -> bool:
         """Does it read the body's coordinates (model/lifter.py), or distances alone?"""
         return "BODY" in self.reads

@@ -56,7 +56,7 @@ _MDS |= {"rigid": 0.7, "redefined": 0.0, "adam": True}
 
 RECIPES = {
     "distances": Recipe(),
-    "direct": Recipe(network="direct", hidden=(88, 88, 88), pose_epochs=1800),
+    "direct": Recipe(network="direct", hidden=(88, 88, 88), pose_epochs=1200),
     "fconn": Recipe(network="fconn", l2_epochs=41, pose_epochs=209, **_MDS),
     "fconv": Recipe(network="fconv", l2_epochs=5, pose_epochs=25, **_MDS | {"rigid": 1.0}),
     "l2": Recipe(

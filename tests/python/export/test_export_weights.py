@@ -22,6 +22,7 @@ from export.layers import ExportError
 from export.readers import READERS, read_layers
 from export.settings import ModelSettings
 from model import constants
+from reports.targets import SOURCES
 
 LIB = ROOT / "lib"
 SHAPE = (91, 128, 128, 91)
@@ -504,6 +505,8 @@ def test_model(header: Path) -> None:
         "    sizeof(edml_work),",
         "    0,",
         "    NULL,",
+        "    edml__orient_alone,",
+        "    NULL,",
         "    EDML_STRESS_NONE,",
         "    0, /* refinement steps */",
         f"    {{{{0x1p-1F, {1 << 23}}}, {{-0x1.4p0F, {-5 << 22}}}, {{0x1.99999ap-4F, 1677722}}, "
@@ -578,6 +581,8 @@ CHECKSUM_C = """\
 void edml__fconn_f32(float *d, const float *e, const edml_model *m, void *x)
 { (void)d, (void)e, (void)m, (void)x; }
 uint32_t edml__fconn_checksum_f32(const edml_model *m) { return m->checksum; }
+edml_status edml__orient_alone(edml_work *w, const edml_model *m)
+{ (void)w, (void)m; return EDML_OK; }
 
 static uint32_t fnv1a(uint32_t h, const float *value, int count)
 {
@@ -624,10 +629,10 @@ int main(void)
 {
     static edml_work work;
     const edml_model *model = &edml_fconn_f32;
-    float x[EDML_PAIRS], y[EDML_PAIRS];
+    float x[EDML_PAIRS], y[EDML_MAX_UNITS];
     if (edml_model_check(model) != EDML_OK || fread(x, sizeof x, 1, stdin) != 1) return 1;
     model->predict_f32(y, x, model, &work.scratch);
-    return fwrite(y, sizeof y, 1, stdout) != 1;
+    return fwrite(y, sizeof x, 1, stdout) != 1;
 }
 """
 
@@ -638,8 +643,7 @@ def test_the_library_computes_the_network(tmp_path: Path) -> None:
     save_npz(tmp_path / "net.npz", net)
     export(tmp_path, tmp_path / "net.npz")
     (tmp_path / "main.c").write_text(NETWORK_C)
-    parts = [LIB / "network" / f"{name}.c" for name in ("fconn_f32", "model")]
-    sources = [tmp_path / "main.c", *parts]
+    sources = [tmp_path / "main.c", *(s for s in SOURCES if s.parent.name != "models"), "-lm"]
     paths = [f"-I{ROOT / 'lib'}", f"-I{ROOT / 'include'}", "-o", str(tmp_path / "main")]
     subprocess.run(["gcc", "-std=c99", "-O2", *map(str, sources), *paths], check=True)
     x = np.random.default_rng(3).uniform(0, 2, 91).astype(np.float32)

@@ -310,11 +310,11 @@ int main(void)
 {
     static edml_work_q work;
     const edml_model *model = &edml_fconn_FORM;
-    int32_t x[EDML_PAIRS];
+    int32_t x[EDML_PAIRS], y[EDML_MAX_UNITS];
     if (edml_model_check(model) != EDML_OK) return 1;
     while (fread(x, sizeof x, 1, stdin) == 1) {
-        model->predict_q(x, x, model, &work.scratch);
-        if (fwrite(x, sizeof x, 1, stdout) != 1) return 1;
+        model->predict_q(y, x, model, &work.scratch);
+        if (fwrite(y, sizeof x, 1, stdout) != 1) return 1;
     }
     return 0;
 }
