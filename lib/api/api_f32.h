@@ -39,6 +39,6 @@ typedef float api_real;
 #define PARAM(number) (number).f32
 #define WORK_BYTES(model) (model)->work_bytes
 #define RUN_NETWORK edml__run_network
-#define ORIENT_ALONE(work, model) (model)->orient_f32(work, model)
+#define ORIENT_ALONE(model) (model)->orient_f32
 
 #endif

@@ -29,7 +29,7 @@ typedef int32_t api_real; /* Q16 */
 #define PARAM(number) (number).q24
 #define WORK_BYTES(model) (model)->work_bytes_q
 #define RUN_NETWORK edml__run_network_q
-#define ORIENT_ALONE(work, model) (model)->orient_q(work, model)
+#define ORIENT_ALONE(model) (model)->orient_q
 
 /* Coordinates within 8192 pixels; confidences always. */
 static inline int is_in_range_q16(int32_t a) { return a > -(INT32_C(1) << 29) && a < INT32_C(1) << 29; }

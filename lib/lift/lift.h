@@ -24,8 +24,10 @@ static edml_status find_points(edml_work *work, const edml_model *model)
         memcpy(work->x, said->x, sizeof work->x);
         return EDML_OK;
     }
+    const int alone = !(model->gives & EDML_GIVES_POINTS);
+    if (alone && ORIENT_ALONE(model) == NULL) return EDML_ERR_MODEL;
     edml_mds(work->x, said->distance, work);
-    if (!(model->gives & EDML_GIVES_POINTS)) return ORIENT_ALONE(work, model);
+    if (alone) return ORIENT_ALONE(model)(work, model);
     edml_align(work->x, said->x, model);
     return EDML_OK;
 }

@@ -12,7 +12,7 @@
 #include "orient.h"
 #include "refine.h"
 
-edml_status edml__orient_alone(edml_work *work, const edml_model *model)
+EDML_INTERNAL edml_status edml__orient_alone(edml_work *work, const edml_model *model)
 {
     edml_refine(work->x, work->prediction.distance, (edml_objective)model->objective, model->refine_steps,
                 work);

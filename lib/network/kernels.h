@@ -21,4 +21,8 @@
                                                    void *scratch);                                         \
     EDML_INTERNAL uint32_t edml__##network##_checksum_##weights(const edml_model *model)
 
+/* lift/orient_alone.h.  A model names both, and links the one whose lift is linked. */
+EDML_INTERNAL EDML_WEAK edml_status edml__orient_alone(edml_work *work, const edml_model *model);
+EDML_INTERNAL EDML_WEAK edml_status edml__orient_alone_q(edml_work_q *work, const edml_model *model);
+
 #endif

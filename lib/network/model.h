@@ -57,7 +57,8 @@ struct edml_model {
     uint16_t work_bytes, work_bytes_q; /* of edml_lift() and edml_lift_q(); 0: that cannot run it */
     const edml_imputation *imputation;
 
-    /* What follows the MDS, of networks that give distances alone: edml__orient_alone() and _q; else NULL. */
+    /* What follows the MDS, of networks that give distances alone: edml__orient_alone() and _q, as far as the
+     * program lifts in that arithmetic; else NULL. */
     edml_status (*orient_f32)(edml_work *work, const edml_model *model);
     edml_status (*orient_q)(edml_work_q *work, const edml_model *model);
 
@@ -76,9 +77,6 @@ enum { FUSION_SHARE, FUSION_SQUARE, FUSION_NEARNESS };
 EDML_INTERNAL void edml__run_network(const edml_model *model, void *work);
 EDML_INTERNAL void edml__run_network_q(const edml_model *model, void *work);
 
-EDML_INTERNAL edml_status edml__orient_alone(edml_work *work, const edml_model *model);
-EDML_INTERNAL edml_status edml__orient_alone_q(edml_work_q *work, const edml_model *model);
-
 /* How many values the network gives: of an equivariant one full groups of rows, and their mirror rows. */
 static inline int edml__output_values(const edml_model *model)
 {
@@ -91,9 +89,7 @@ static inline int edml__output_values(const edml_model *model)
 static inline int edml__is_known(const edml_model *model)
 {
     enum { POINTS = EDML_GIVES_POINTS | EDML_GIVES_GATES };
-    if (model->reads == EDML_READS_DISTANCES)
-        return model->gives == EDML_GIVES_DISTANCES && model->orient_f32 != NULL &&
-               (model->work_bytes_q == 0 || model->orient_q != NULL);
+    if (model->reads == EDML_READS_DISTANCES) return model->gives == EDML_GIVES_DISTANCES;
     return (model->reads | EDML_READS_DISTANCES) == (EDML_READS_BODY | EDML_READS_DISTANCES) &&
            (model->gives | EDML_GIVES_DISTANCES) == (POINTS | EDML_GIVES_DISTANCES);
 }

@@ -15,6 +15,7 @@
  * EDML_COUNT_ZEROS  before the highest bit of a word, where the processor has an instruction for it
  * EDML_HIGH_PRODUCT high = (a b + 2^31) >> 32, the same
  * EDML_SATURATE     y = x limited to 0 to 2^bits - 1, the same
+ * EDML_WEAK         a function that is NULL unless something else links it
  * EDML_INTERNAL     shared by the library's files, and not exported from a shared library */
 #ifdef __GNUC__
 #define EDML_NOINLINE __attribute__((noinline))
@@ -38,8 +39,10 @@
 #define EDML_IS_ALIGNED4(pointer) (((uintptr_t)(pointer) & 3) == 0)
 #if defined(__GNUC__) && defined(__ELF__)
 #define EDML_INTERNAL __attribute__((visibility("hidden")))
+#define EDML_WEAK __attribute__((weak))
 #else
 #define EDML_INTERNAL
+#define EDML_WEAK
 #endif
 
 #endif

@@ -30,7 +30,7 @@ typedef int32_t api_real;
 #define PARAM(number) real((number).q24)
 #define WORK_BYTES(model) ((model)->work_bytes_q != 0 ? sizeof(edml_work) : 0)
 #define RUN_NETWORK checked_network
-#define ORIENT_ALONE(work, model) edml__orient_alone(work, model)
+#define ORIENT_ALONE(model) checked_orientation
 
 static inline bool checked_range(int32_t a) { return -(1 << 29) < a && a < 1 << 29; }
 static inline bool checked_range(real a) { return checked_range(a.value()); }
@@ -111,6 +111,8 @@ static inline void checked_network(const edml_model *model, edml_work_checked *w
     edml__run_network_q(model, &memory);
     for (int k = 0; k < edml__output_values(model); k++) work->io.values[k] = values[k];
 }
+
+extern edml_status (*const checked_orientation)(edml_work_checked *work, const edml_model *model);
 
 /* ---- Names, as in api_q.h ---- */
 

@@ -4,6 +4,7 @@
 #include "lift/lift.h"
 
 checked_tally tally;
+edml_status (*const checked_orientation)(edml_work_checked *, const edml_model *) = edml__orient_alone;
 
 static void copy(int32_t out[EDML_JOINTS][3], const point x[EDML_JOINTS])
 {

@@ -82,7 +82,7 @@ def test_a_public_function_is_defined_once_under_its_name(name: str) -> None:
 
 def test_every_alias_is_of_a_public_name() -> None:
     """Or of one that models name."""
-    headers = [*PUBLIC_HEADERS, LIB / "network" / "model.h"]
+    headers = [*PUBLIC_HEADERS, LIB / "network" / "kernels.h"]
     text = "\n".join(code_of(header) for header in headers)
     for plain, alias in fixed_point_aliases().items():
         assert alias == f"{plain}_q" and re.search(rf"\b{alias}\b", text)

@@ -349,14 +349,11 @@ static void a_model_that_reads_or_gives_something_else_is_refused(void)
 static void distances_alone_without_what_orients_them_are_refused(void)
 {
     for (int n = 0; n < FUNCTIONS; n++) {
-        if (!takes(&functions[n], MODEL) || !takes(&functions[n], WORK)) continue;
+        if (!runs_model(&functions[n]) || functions[n].run == call_predict) continue;
         prepare(&FCONN);
         memory.model.orient_f32 = NULL;
-        check_failure(&functions[n], EDML_ERR_MODEL, "no orientation in float");
-        prepare(&FCONN);
-        memory.model.work_bytes_q = sizeof work;
         memory.model.orient_q = NULL;
-        check_failure(&functions[n], EDML_ERR_MODEL, "no orientation in fixed point");
+        check_failure(&functions[n], EDML_ERR_MODEL, "nothing orients");
     }
 }
 

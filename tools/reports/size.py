@@ -101,8 +101,8 @@ def flash_sizes(link_map: str) -> dict[str, int]:
         if re.search(r"/lib(gcc|m|c)\.a\(", file):
             sizes["helpers"] += int(size, 16)
             sizes["code"] += int(size, 16)
-        elif Path(file).name in library:
-            model = Path(file).name.startswith("models_")
+        elif (name := file.rpartition("(")[2].rstrip(")")) in library:
+            model = name.startswith("models_")
             sizes["weights" if model else "code"] += int(size, 16)
     return sizes
 

@@ -120,11 +120,14 @@ def object_name(source: Path) -> str:
 def compile_library(
     target: Target, level: str, folder: Path, sources: list[Path] = SOURCES
 ) -> list[Path]:
-    """Object files of the library, in a folder."""
+    """The library in a folder, as a file for the linker: an archive, of which a program links what
+    it calls."""
     objects = [folder / object_name(source) for source in sources]
     for source, item in zip(sources, objects, strict=True):
         run(*compiler(target, level), "-c", source, "-o", item)
-    return objects
+    archive = folder / "libedmlift.a"
+    run(f"{target.system.cross}ar", "rcs", archive, *objects)
+    return [archive]
 
 
 def build(
