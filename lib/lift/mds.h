@@ -76,8 +76,26 @@ static real split_largest(edml_plane_rotation *done, int *sweeps, int most, real
     return norm;
 }
 
-/* y: the three largest eigenvectors, each as long as the root of its eigenvalue, a coordinate each. */
-static void three_largest(point y[EDML_JOINTS], real *gram, edml_work *work)
+/* y: the eigenvectors of the leading 3 x 3 matrix, in its basis, each as long as the root of its eigenvalue, a
+ * coordinate each.  The sweeps left next to nothing beside its diagonal; Jacobi's rotations take that as well. */
+static void leading_points(point y[ORDER], real leading[][EDML_JOINTS], edml_jacobi_rotation done[12])
+{
+    const real least = MUL(leading[0][0], REAL(5.9604644775390625e-8)) + EPSILON; /* 2^-24: rounding */
+    const int count = diagonalise(done, 12, leading, 3, least);
+    for (int k = 0; k < 3; k++) {
+        const real length = leading[k][k] > 0 ? SQRT(leading[k][k]) : 0; /* negative: clamped */
+        for (int j = 0; j < 3; j++) leading[k][j] = j == k ? length : 0;
+    }
+    back_transform(leading, 3, done, count);
+    for (int i = 0; i < ORDER; i++) {
+        const point zero = {0, 0, 0}, p = {leading[0][i], leading[1][i], leading[2][i]};
+        y[i] = i < 3 ? p : zero;
+    }
+}
+
+/* y: the three largest eigenvectors of the Gram matrix, in the same way.  gram has room for the band behind the
+ * matrix; io.matrix[11] and on, which is behind both, takes the leading matrix. */
+static void three_largest(point y[ORDER], real *gram, edml_work *work)
 {
     real *const band = gram + TRIANGLE, (*const leading)[EDML_JOINTS] = &work->io.matrix[11];
     edml_plane_rotation *done = work->scratch.rotation.sweep;
@@ -91,20 +109,7 @@ static void three_largest(point y[EDML_JOINTS], real *gram, edml_work *work)
         leading[k][k] = MUL(scale, band[2 * k]);
         if (k < 2) leading[k][k + 1] = MUL(scale, band[2 * k + 1]);
     }
-    const real least = MUL(leading[0][0], REAL(5.9604644775390625e-8)) + EPSILON; /* 2^-24: rounding */
-    const int count = diagonalise(work->scratch.rotation.jacobi, 12, leading, 3, least);
-    for (int k = 0; k < 3; k++) {
-        const real length = leading[k][k] > 0 ? SQRT(leading[k][k]) : 0; /* negative: clamped */
-        for (int j = 0; j < 3; j++) leading[k][j] = j == k ? length : 0;
-    }
-    back_transform(leading, 3, work->scratch.rotation.jacobi, count);
-    const point zero = {0, 0, 0};
-    for (int i = 0; i < ORDER; i++) y[i] = zero;
-    for (int i = 0; i < 3; i++) {
-        y[i].x = leading[0][i];
-        y[i].y = leading[1][i];
-        y[i].z = leading[2][i];
-    }
+    leading_points(y, leading, work->scratch.rotation.jacobi);
     for (int k = 2; k >= 0; k--)
         for (int n = sweeps[k]; n > 0; n--)
             for (int i = k; i < ORDER - 1; i++) rotate_points(&y[i + 1], &y[i], *--done);
