@@ -51,11 +51,6 @@ typedef struct { /* Q24 */
     edml_point_q24 x[EDML_JOINTS];
 } edml_prediction_q;
 
-typedef struct {
-    int32_t sine; /* Q24 */
-    uint8_t p, q;
-} edml_jacobi_rotation_q;
-
 typedef struct { /* Q24 */
     int32_t cosine, sine;
 } edml_plane_rotation_q;
@@ -70,17 +65,15 @@ typedef struct {
     } io;
     union {
         int16_t layers[2][192];
-        struct {
-            edml_plane_rotation_q sweep[86];
-            edml_jacobi_rotation_q jacobi[12];
-        } rotation;
+        edml_plane_rotation_q rotation[86];
+        int32_t vector[EDML_JOINTS - 1][EDML_JOINTS];
         edml_point_q24 step[4][EDML_JOINTS];
     } scratch;
 } edml_work_q;
 
 typedef struct { /* of a lift with FConv: 11 KB */
     edml_work_q lift;
-    int32_t more_scratch[2208];
+    int32_t more_scratch[2212];
 } edml_fconv_work_q;
 
 size_t edml_model_work_bytes_q(const edml_model *model); /* for edml_lift_q(); 0: not for that lift */

@@ -57,7 +57,7 @@ typedef struct {
     float value[EDML_JOINTS];               /* descending */
     float vector[EDML_JOINTS][EDML_JOINTS]; /* row k belongs to value[k]: unit length, its largest component
                                                positive */
-    edml_jacobi_rotation rotation[640];     /* work memory */
+    edml_matrix diagonal;                   /* work memory */
 } edml_eigen;
 
 /* All eigenpairs by cyclic Jacobi, to rounding.  Only the upper triangle of `a` is read.  The largest |entry|
@@ -120,7 +120,7 @@ typedef struct {
 
 typedef struct {
     int32_t value[EDML_JOINTS], vector[EDML_JOINTS][EDML_JOINTS];
-    edml_jacobi_rotation_q rotation[640];
+    edml_matrix_q diagonal;
 } edml_eigen_q;
 
 edml_status edml_body_frame_q(edml_image_q *image, const edml_keypoint_q in[EDML_JOINTS],

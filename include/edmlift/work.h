@@ -26,11 +26,6 @@ typedef struct { /* what a network says: edml_predict() */
     edml_point x[EDML_JOINTS];
 } edml_prediction;
 
-typedef struct { /* one of edml_jacobi() */
-    float sine;
-    uint8_t p, q;
-} edml_jacobi_rotation;
-
 typedef struct { /* of two axes */
     float cosine, sine;
 } edml_plane_rotation;
@@ -46,17 +41,15 @@ typedef struct {
     union {
         float layer[192];
         int16_t layers[2][192];
-        struct {
-            edml_plane_rotation sweep[86];
-            edml_jacobi_rotation jacobi[12];
-        } rotation;
+        edml_plane_rotation rotation[86];
+        float vector[EDML_JOINTS - 1][EDML_JOINTS];
         edml_point step[4][EDML_JOINTS];
     } scratch;
 } edml_work;
 
 typedef struct {
     edml_work lift;
-    float more_scratch[4288];
+    float more_scratch[4292];
 } edml_fconv_work; /* with FConv: 19 KB */
 
 #ifdef __cplusplus

@@ -47,7 +47,6 @@ static inline int is_in_range_q16(int32_t a) { return a > -(INT32_C(1) << 29) &&
 #define edml_prediction edml_prediction_q
 #define edml_matrix edml_matrix_q
 #define edml_eigen edml_eigen_q
-#define edml_jacobi_rotation edml_jacobi_rotation_q
 #define edml_plane_rotation edml_plane_rotation_q
 
 /* Functions */

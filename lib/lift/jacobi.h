@@ -1,7 +1,6 @@
 /* Cyclic Jacobi eigen-decomposition of a symmetric matrix of order up to 14.
  *
- * Only the upper triangle is kept.  Vectors are not carried along: the rotations are recorded,
- * and each wanted vector is a unit vector that is transformed back through them.
+ * Only the upper triangle is kept.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -10,7 +9,8 @@
 
 #include "../api/api.h"
 
-enum { SWEEPS = 12 }; /* six are usual */
+enum { SWEEPS = 12 };                               /* six are usual */
+#define JACOBI_ROUNDING REAL(5.9604644775390625e-8) /* 2^-24: beside the largest entry this is nothing */
 
 /* Rotates a pair of matrix or vector entries by the angle of (cosine, sine). */
 static void rotate_pair(real *p, real *q, real cosine, real sine)
@@ -20,10 +20,10 @@ static void rotate_pair(real *p, real *q, real cosine, real sine)
     *q = MUL(sine, was) + MUL(cosine, *q);
 }
 
-/* Makes a[p][q] zero by the smaller of the two possible rotations, p < q.  Entries stay within
- * the matrix's Frobenius norm n, and two of them within sqrt(2) n: half_gap and root are at most
- * n / sqrt(2), their sum at most sqrt(2) n. */
-static edml_jacobi_rotation annihilate(real a[][EDML_JOINTS], int order, int p, int q)
+/* Makes a[p][q] zero by the smaller of the two possible rotations, p < q, of the matrix and of its vectors.
+ * Entries stay within the matrix's Frobenius norm n, and two of them within sqrt(2) n: half_gap and root are at
+ * most n / sqrt(2), their sum at most sqrt(2) n. */
+static void annihilate(real a[][EDML_JOINTS], real vector[][EDML_JOINTS], int order, int p, int q)
 {
     const real half_gap = a[q][q] / 2 - a[p][p] / 2;
     const real root = HYPOT(half_gap, a[p][q]);
@@ -37,43 +37,56 @@ static edml_jacobi_rotation annihilate(real a[][EDML_JOINTS], int order, int p, 
     for (int k = 0; k < p; k++) rotate_pair(&a[k][p], &a[k][q], cosine, sine);
     for (int k = p + 1; k < q; k++) rotate_pair(&a[p][k], &a[k][q], cosine, sine);
     for (int k = q + 1; k < order; k++) rotate_pair(&a[p][k], &a[q][k], cosine, sine);
-
-    edml_jacobi_rotation done;
-    done.sine = sine;
-    done.p = (uint8_t)p;
-    done.q = (uint8_t)q;
-    return done;
+    for (int k = 0; k < order; k++) rotate_pair(&vector[p][k], &vector[q][k], cosine, sine);
 }
 
-/* Skips entries of up to `least`.  Stops after SWEEPS sweeps or `room` rotations; returns the number of
- * rotations. */
-static int diagonalise(edml_jacobi_rotation done[], int room, real a[][EDML_JOINTS], int order, real least)
+static real largest_entry(real a[][EDML_JOINTS], int order)
 {
-    int count = 0;
-    for (int sweep = 0; sweep < SWEEPS; sweep++) {
-        const int before = count;
+    real largest = 0;
+    for (int i = 0; i < order; i++)
+        for (int j = i; j < order; j++)
+            if (ABS(a[i][j]) > largest) largest = ABS(a[i][j]);
+    return largest;
+}
+
+/* Leaves the eigenvalues on the diagonal of a, and row k of vector, up to `order`, is that of a[k][k]. */
+static void diagonalise(real a[][EDML_JOINTS], real vector[][EDML_JOINTS], int order)
+{
+    const real least = MUL(largest_entry(a, order), JACOBI_ROUNDING) + EPSILON;
+    for (int i = 0; i < order; i++)
+        for (int j = 0; j < order; j++) vector[i][j] = i == j ? REAL(1.0) : 0;
+    for (int sweep = 0, rotated = 1; sweep < SWEEPS && rotated; sweep++) {
+        rotated = 0;
         for (int p = 0; p < order; p++) {
             for (int q = p + 1; q < order; q++) {
                 if (ABS(a[p][q]) <= least) continue;
-                if (count == room) return count;
-                done[count++] = annihilate(a, order, p, q);
+                annihilate(a, vector, order, p, q);
+                rotated = 1;
             }
         }
-        if (count == before) break;
     }
-    return count;
 }
 
-/* Transforms vectors of the last basis back to the first one. */
-static void back_transform(real vector[][EDML_JOINTS], int vectors, const edml_jacobi_rotation done[],
-                           int count)
+/* Exchanges eigenvalue and vector k with the ones before. */
+static void bring_forward(real a[][EDML_JOINTS], real vector[][EDML_JOINTS], int order, int k)
 {
-    for (int n = count - 1; n >= 0; n--) {
-        const real sine = done[n].sine; /* the cosine is positive: the smaller rotation was taken */
-        const real cosine = SQRT(REAL(1.0) - MUL(sine, sine));
-        for (int k = 0; k < vectors; k++)
-            rotate_pair(&vector[k][done[n].p], &vector[k][done[n].q], cosine, -sine);
+    const real value = a[k][k];
+    a[k][k] = a[k - 1][k - 1];
+    a[k - 1][k - 1] = value;
+    for (int j = 0; j < order; j++) {
+        const real was = vector[k][j];
+        vector[k][j] = vector[k - 1][j];
+        vector[k - 1][j] = was;
     }
+}
+
+/* Brings the largest eigenvalue from k on to k; equal ones stay in their order. */
+static void bring_largest(real a[][EDML_JOINTS], real vector[][EDML_JOINTS], int order, int k)
+{
+    int best = k;
+    for (int i = k + 1; i < order; i++)
+        if (a[i][i] > a[best][best]) best = i;
+    for (; best > k; best--) bring_forward(a, vector, order, best);
 }
 
 static void make_largest_positive(real vector[EDML_JOINTS])
@@ -87,32 +100,13 @@ static void make_largest_positive(real vector[EDML_JOINTS])
 
 void edml_jacobi(edml_eigen *eigen, const edml_matrix *a)
 {
-    enum { ROOM = (int)(sizeof eigen->rotation / sizeof eigen->rotation[0]) };
-    real scale = 0;
-    for (int i = 0; i < EDML_JOINTS; i++) {
-        for (int j = i; j < EDML_JOINTS; j++) {
-            eigen->vector[i][j] = a->at[i][j]; /* work on a copy, where the vectors will be */
-            if (ABS(a->at[i][j]) > scale) scale = ABS(a->at[i][j]);
-        }
+    eigen->diagonal = *a;
+    diagonalise(eigen->diagonal.at, eigen->vector, EDML_JOINTS);
+    for (int k = 0; k < EDML_JOINTS; k++) {
+        bring_largest(eigen->diagonal.at, eigen->vector, EDML_JOINTS, k);
+        eigen->value[k] = eigen->diagonal.at[k][k];
+        make_largest_positive(eigen->vector[k]);
     }
-    const real least = MUL(scale, REAL(5.9604644775390625e-8)) + EPSILON; /* 2^-24: rounding */
-    const int count = diagonalise(eigen->rotation, ROOM, eigen->vector, EDML_JOINTS, least);
-
-    uint8_t axis[EDML_JOINTS];
-    for (int i = 0; i < EDML_JOINTS; i++) { /* insertion sort, stable */
-        const real value = eigen->vector[i][i];
-        int k = i;
-        for (; k > 0 && eigen->value[k - 1] < value; k--) {
-            eigen->value[k] = eigen->value[k - 1];
-            axis[k] = axis[k - 1];
-        }
-        eigen->value[k] = value;
-        axis[k] = (uint8_t)i;
-    }
-    for (int k = 0; k < EDML_JOINTS; k++)
-        for (int i = 0; i < EDML_JOINTS; i++) eigen->vector[k][i] = i == axis[k] ? REAL(1.0) : 0;
-    back_transform(eigen->vector, EDML_JOINTS, eigen->rotation, count);
-    for (int k = 0; k < EDML_JOINTS; k++) make_largest_positive(eigen->vector[k]);
 }
 
 #endif

@@ -34,7 +34,7 @@ typedef struct {
     int exponent;
 } minors;
 
-/* Three-term recurrence: x - d is within 2, e^2 within 1/2, and so is what the derivative adds. */
+/* Three-term recurrence: x - d is within 2, e^2 within 1/2, and what the derivative adds within 64. */
 static void next_minor(minors *m, real gap, real square, real more)
 {
     const real next = MUL(gap, m->at[0]) - MUL(square, m->at[1]) + more;
@@ -43,18 +43,25 @@ static void next_minor(minors *m, real gap, real square, real more)
     m->exponent += NORMALISE(m->at, 2);
 }
 
+/* m in units of 2^exponent.  It is below 64 of them, unless rounding is all that is left of either. */
+static real in_units(const minors *m, int exponent)
+{
+    const int by = exponent - m->exponent;
+    return SHIFT(m->at[0], by < 6 ? by : 6);
+}
+
 /* f, f' and f''/2 at x of the characteristic polynomial f.  None is negative above its roots. */
 static EDML_NOINLINE void characteristic(minors *f, minors *slope, minors *curve, const real *band, int n,
                                          real x)
 {
-    const minors at_order_0_and_1[3] = {{{x - band[0], REAL(1.0)}, 0}, {{REAL(1.0), 0}, 0}, {{0, 0}, 0}};
-    *f = at_order_0_and_1[0];
-    *slope = at_order_0_and_1[1];
-    *curve = at_order_0_and_1[2];
+    const minors of_order_1[3] = {{{x - band[0], REAL(1.0)}, 0}, {{REAL(1.0), 0}, 0}, {{0, 0}, 0}};
+    *f = of_order_1[0];
+    *slope = of_order_1[1];
+    *curve = of_order_1[2];
     for (int i = 1; i < n; i++) {
         const real gap = x - band[2 * i], square = MUL(band[2 * i - 1], band[2 * i - 1]);
-        next_minor(curve, gap, square, SHIFT(slope->at[0], curve->exponent - slope->exponent));
-        next_minor(slope, gap, square, SHIFT(f->at[0], slope->exponent - f->exponent));
+        next_minor(curve, gap, square, in_units(slope, curve->exponent));
+        next_minor(slope, gap, square, in_units(f, slope->exponent));
         next_minor(f, gap, square, 0);
     }
     f->exponent += NORMALISE(f->at, 1);
@@ -62,8 +69,20 @@ static EDML_NOINLINE void characteristic(minors *f, minors *slope, minors *curve
     curve->exponent += NORMALISE(curve->at, 1);
 }
 
-/* Largest eigenvalue of a matrix of norm 1, from above: Laguerre's method.  As all roots are real, no step is
- * too long. */
+/* Laguerre's step from x to the largest root: of order n, `share` = 2 n / (n - 1).  As all roots are real, it is
+ * not too long, but where many of them are so near that rounding decides.  0: x is at the root, to rounding. */
+static real laguerre_step(const minors *f, const minors *slope, const minors *curve, int n, real share)
+{
+    const int exponent = slope->exponent - f->exponent, bent = exponent + slope->exponent - curve->exponent;
+    if (!(f->at[0] > 0 && slope->at[0] > 0) || exponent > 2) return 0; /* Newton's step is within 2 */
+    const real newton = DIV(f->at[0], slope->at[0]), bend = DIV(curve->at[0], slope->at[0]); /* within 2 */
+    const real part = bent > 1 ? REAL(1.0)
+                               : MUL(share, SHIFT(MUL(newton, bend), bent)); /* to 1, or rounding */
+    const real root = part < REAL(1.0) ? SQRT(REAL(1.0) - part) : 0;
+    return SHIFT(DIV((real)n * newton, REAL(1.0) + (real)(n - 1) * root), exponent);
+}
+
+/* Largest eigenvalue of a matrix of norm 1, from above; where many nearly coincide, it may be wrong. */
 static real largest_eigenvalue(const real *band, int n)
 {
     const real share = DIV((real)(2 * n), (real)(n - 1));
@@ -71,17 +90,20 @@ static real largest_eigenvalue(const real *band, int n)
     for (int step = 0; step < MOST_STEPS; step++) {
         minors f, slope, curve;
         characteristic(&f, &slope, &curve, band, n, x);
-        if (!(f.at[0] > 0 && slope.at[0] > 0)) break; /* rounding: at the root */
-        const int exponent = slope.exponent - f.exponent;
-        const real newton = DIV(f.at[0], slope.at[0]), bend = DIV(curve.at[0], slope.at[0]); /* within 2 */
-        const real part = MUL(
-            share, SHIFT(MUL(newton, bend), exponent + slope.exponent - curve.exponent)); /* 0 to 1 */
-        const real root = part < REAL(1.0) ? SQRT(REAL(1.0) - part) : 0;
-        const real length = SHIFT(DIV((real)n * newton, REAL(1.0) + (real)(n - 1) * root), exponent);
+        const real length = laguerre_step(&f, &slope, &curve, n, share);
         x -= length;
         if (length <= LAST_STEP) break;
     }
     return x;
+}
+
+/* Are all eigenvalues below x?  Then all leading minors of x - A are positive. */
+static EDML_NOINLINE int is_above_all(const real *band, int n, real x)
+{
+    minors f = {{x - band[0], REAL(1.0)}, 0};
+    for (int i = 1; i < n && f.at[0] > 0; i++)
+        next_minor(&f, x - band[2 * i], MUL(band[2 * i - 1], band[2 * i - 1]), 0);
+    return f.at[0] > 0;
 }
 
 /* The rotation of (x, z) onto the first axis; by nothing if both are zero. */

@@ -72,18 +72,13 @@ struct edml_matrix_checked {
     real at[EDML_JOINTS][EDML_JOINTS];
 };
 
-struct edml_jacobi_rotation_checked {
-    real sine;
-    uint8_t p, q;
-};
-
 struct edml_plane_rotation_checked {
     real cosine, sine;
 };
 
 struct edml_eigen_checked {
     real value[EDML_JOINTS], vector[EDML_JOINTS][EDML_JOINTS];
-    edml_jacobi_rotation_checked rotation[640];
+    edml_matrix_checked diagonal;
 };
 
 struct edml_work_checked {
@@ -94,10 +89,8 @@ struct edml_work_checked {
         real matrix[EDML_JOINTS][EDML_JOINTS], values[196];
     } io;
     struct {
-        struct {
-            edml_plane_rotation_checked sweep[86];
-            edml_jacobi_rotation_checked jacobi[12];
-        } rotation;
+        edml_plane_rotation_checked rotation[86];
+        real vector[EDML_JOINTS - 1][EDML_JOINTS];
         point step[4][EDML_JOINTS];
     } scratch;
 };
@@ -128,7 +121,6 @@ extern edml_status (*const checked_orientation)(edml_work_checked *work, const e
 #define edml_body edml_body_q
 #define edml_matrix edml_matrix_checked
 #define edml_eigen edml_eigen_checked
-#define edml_jacobi_rotation edml_jacobi_rotation_checked
 #define edml_plane_rotation edml_plane_rotation_checked
 
 #define edml_adapt edml_adapt_checked

@@ -178,6 +178,16 @@ static void full_mds(edml_point out[EDML_JOINTS], const float d[EDML_PAIRS])
     }
 }
 
+static double sum_of_squares(const edml_point p[EDML_JOINTS], int axis)
+{
+    double sum = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const double at = (double)(axis == 0 ? p[j].x : axis == 1 ? p[j].y : p[j].z);
+        sum += at * at;
+    }
+    return sum;
+}
+
 /* Worst and mean difference of a distance, over people with noisy distances. */
 static float error_beside_jacobi(float noise)
 {
@@ -264,6 +274,51 @@ static void close_eigenvalues_are_told_apart(void)
     TEST_ASSERT_GREATER_THAN(50, people);
 }
 
+/* How far a sum of squares along an axis is from that of the full decomposition, m^2. */
+static float worst_axis_error(void)
+{
+    float worst = 0;
+    full_mds(y, distance);
+    edml_mds(x, distance, &work);
+    const double found_square[3] = {sum_of_squares(x, 0), sum_of_squares(x, 1), sum_of_squares(x, 2)};
+    const double square[3] = {sum_of_squares(y, 0), sum_of_squares(y, 1), sum_of_squares(y, 2)};
+    for (int k = 0; k < 3; k++) worst = worse(worst, (float)(found_square[k] - square[k]));
+    return worst;
+}
+
+/* Joints that coincide: the matrix falls into parts, and not every part has the largest eigenvalues. */
+static void joints_in_a_few_places_keep_their_axes(void)
+{
+    rng r = rng_seed(30);
+    for (int n = 0; n < 2000; n++) {
+        uint32_t place[EDML_JOINTS];
+        for (int j = 0; j < EDML_JOINTS; j++) place[j] = rng_bits(&r) % (2 + (uint32_t)n % 4);
+        for (int i = 0, k = 0; i < EDML_JOINTS; i++)
+            for (int j = i + 1; j < EDML_JOINTS; j++) distance[k++] = place[i] != place[j];
+        TEST_ASSERT_ERROR_UP_TO(MDS_AXES_TOLERANCE, worst_axis_error());
+    }
+}
+
+static void one_distance_is_kept(void)
+{
+    for (int k = 0; k < EDML_PAIRS; k++) {
+        memset(distance, 0, sizeof distance);
+        distance[k] = 3;
+        TEST_ASSERT_ERROR_UP_TO(MDS_AXES_TOLERANCE, worst_axis_error());
+    }
+}
+
+/* Thirteen eigenvalues that nearly coincide. */
+static void distances_that_are_nearly_equal_keep_their_axes(void)
+{
+    rng r = rng_seed(31);
+    for (int n = 0; n < 2000; n++) {
+        const float noise = powf(10, uniform(&r, -7, -2));
+        for (int k = 0; k < EDML_PAIRS; k++) distance[k] = fminf(1.5F + noise * gauss(&r), 3);
+        TEST_ASSERT_ERROR_UP_TO(MDS_EQUAL_TOLERANCE, worst_axis_error());
+    }
+}
+
 /* Nothing like a person: distances drawn at random, the matrix as indefinite as can be. */
 static void random_distances_give_finite_points(void)
 {
@@ -303,6 +358,9 @@ int main(void)
     RUN_TEST(what_work_memory_held_does_not_matter);
     RUN_TEST(the_points_are_those_of_jacobi);
     RUN_TEST(close_eigenvalues_are_told_apart);
+    RUN_TEST(joints_in_a_few_places_keep_their_axes);
+    RUN_TEST(one_distance_is_kept);
+    RUN_TEST(distances_that_are_nearly_equal_keep_their_axes);
     RUN_TEST(random_distances_give_finite_points);
     RUN_TEST(nan_and_infinity_end_in_finite_time);
     return UNITY_END();

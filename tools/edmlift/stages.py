@@ -108,7 +108,7 @@ class Stages:
     def jacobi(self, matrix: ArrayLike) -> tuple[_F32, _F32]:
         """Eigenvalues [14], descending, and eigenvectors as rows [14,14]."""
         given, vectors = _f32(matrix), JOINT_COUNT * JOINT_COUNT
-        eigen = np.zeros(JOINT_COUNT + vectors + 2 * 640, np.float32)
+        eigen = np.zeros(JOINT_COUNT + vectors + vectors, np.float32)
         self._c.edml_jacobi(pointer(eigen), pointer(given))
         rows = eigen[JOINT_COUNT : JOINT_COUNT + vectors].reshape(JOINT_COUNT, JOINT_COUNT)
         return eigen[:JOINT_COUNT].copy(), rows.copy()

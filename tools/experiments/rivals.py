@@ -42,7 +42,8 @@ from training.views import Views, draw_2d, imputation_of, pick_poses
 # alike, as the library's network `direct` is.
 NETWORKS = ("plain", "residual", "equivariant")
 
-# The recipe of `direct`, but for what is in the lift around it, and by Adam at the best rate of TRIALS.
+# The recipe of `direct`, but for what is in the lift around it, and by Adam at the best rate of
+# TRIALS.
 rival = functools.partial(dataclasses.replace, RECIPES["direct"], up=0.0, fuse=False, adam=True)
 plain = functools.partial(rival, network="plain", hidden=(121,) * 3)
 alike = functools.partial(rival, network="equivariant", hidden=(90,) * 3)

@@ -88,9 +88,9 @@ def rounding_steps(
     values: Sequence[np.ndarray],
     plan: Plan,
     parts: Parts,
-) -> list[str]:
-    """How the weights of 8 bits are rounded, a text a layer, for what goes into each, [F,in]."""
-    texts = []
+) -> str:
+    """How the weights of 8 bits are rounded, as text, for what goes into each layer [F,in]."""
+    steps = []
     most = np.iinfo(WEIGHT_TYPES["w8"]).max
     for k, rows in enumerate(rows_of(layers, calibration, plan)):
         weight = rows.weight * largest_scales(rows, most)
@@ -99,8 +99,8 @@ def rounding_steps(
             np.split(weight, ends), np.split(values[k] - rows.mean, ends, axis=1), strict=True
         )
         rounded = np.concatenate([compensated(piece, x, most) for piece, x in pieces])
-        texts.append(to_text(rounded - np.rint(weight)))
-    return texts
+        steps.append(rounded - np.rint(weight))
+    return to_text(steps)
 
 
 def calibrate(

@@ -34,7 +34,7 @@ def quantised(
     try:
         network = quantise.quantise(layers, calibration, form, kind.plan)
         return network, quantised_lines(network, calibration, form, kind.plan)
-    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise ExportError(f"manifest: damaged calibration: {one_line(error)}") from error
 
 

@@ -101,12 +101,14 @@ def quantise(
     layers: Sequence[Layer], calibration: Mapping[str, Any], form: str, plan: Plan = DENSE
 ) -> list[Dense]:
     """The network in integers, form "w16" or "w8"; raises ExportError where that cannot be."""
-    kind, steps = WEIGHT_TYPES[form], calibration.get("steps", {}).get(form)
+    kind = WEIGHT_TYPES[form]
+    every = rows_of(layers, calibration, plan)
+    if (known := calibration.get("steps", {})) and form in known:
+        steps = from_text(known[form], [rows.weight.shape for rows in every])
+        every = [rows._replace(steps=of_layer) for rows, of_layer in zip(every, steps, strict=True)]
     dense = []
-    for k, rows in enumerate(rows_of(layers, calibration, plan)):
-        scale = largest_scales(rows, np.iinfo(kind).max)
-        if steps:
-            rows = rows._replace(steps=from_text(steps[k], rows.weight.shape))
+    for k, rows in enumerate(every):
+        scale = largest_scales(rows._replace(steps=0), np.iinfo(kind).max)
         dense.append(quantise_layer(rows, scale, kind))
         prove(dense[k], k, rows.reach, rows.word)
     return dense
@@ -116,10 +118,15 @@ def rows_of(layers: Sequence[Layer], calibration: Mapping[str, Any], plan: Plan)
     """Each layer as it is to be quantised."""
     largest = calibration["largest"]
     mean = [np.array(values, float) for values in calibration["mean"]]
+    if (len(largest), len(mean)) != (len(layers) - 1, len(layers)):
+        raise ExportError("calibration: of another number of layers")
     if not all(0 < x < np.inf for x in largest):
         raise ExportError("calibration: a hidden layer is always zero, or not finite")
     if not all(np.isfinite(values).all() for values in mean):
         raise ExportError("calibration: a mean is not finite")
+    inputs = [(plan.tap_shares(k)[:, None] * values).reshape(-1) for k, values in enumerate(mean)]
+    if [len(values) for values in inputs] != [len(layer.weight) for layer in layers]:
+        raise ExportError("calibration: a mean is not of the inputs")
     hidden = [plan.activation / (HEADROOM * x) for x in largest]
     scales = [METRE >> INPUT_SHIFT, *hidden, (METRE >> OUTPUT_SHIFT) / plan.sums]
     rows = []
@@ -129,7 +136,7 @@ def rows_of(layers: Sequence[Layer], calibration: Mapping[str, Any], plan: Plan)
             Rows(
                 weight,
                 bias,
-                mean=(plan.tap_shares(k)[:, None] * mean[k]).reshape(-1),
+                mean=inputs[k],
                 x_scale=scales[k],
                 y_scale=scales[k + 1],
                 reach=input_ranges(plan, k, layers[k]),
@@ -194,6 +201,8 @@ def quantise_layer(rows: Rows, scale: np.ndarray, kind: type) -> Dense:
         raise ExportError("a layer's outputs are too large to quantise")
     multiplier = np.clip(np.rint(ratio * 2.0**shift), 1, WORD - 1).astype(np.int32)
     weight, bias = rows.rounded(scale)
+    if np.abs(weight).max() > np.iinfo(kind).max:
+        raise ExportError("calibration: steps leave the integers of a weight")
     return Dense(weight.astype(kind), bias.astype(np.int32), multiplier, shift, rows.clamp)
 
 

@@ -36,15 +36,22 @@ def compensated(weight: np.ndarray, inputs: np.ndarray, most: int) -> np.ndarray
     return rounded
 
 
-def to_text(steps: np.ndarray) -> str:
-    """Steps [in, out] from the nearest integers, within +-127, for JSON."""
-    return base64.b64encode(zlib.compress(steps.astype(np.int8).tobytes(), 9)).decode()
+def to_text(steps: Sequence[np.ndarray]) -> str:
+    """The steps of each layer [in, out] from the nearest integers, within +-127, for JSON."""
+    whole = b"".join(layer.astype(np.int8).tobytes() for layer in steps)
+    return base64.b64encode(zlib.compress(whole, 9)).decode()
 
 
-def from_text(text: str, shape: Sequence[int]) -> np.ndarray:
-    """The steps [in, out] of a text; ValueError where it is none of them."""
+def from_text(text: str, shapes: Sequence[tuple[int, int]]) -> list[np.ndarray]:
+    """The steps of layers of these shapes; ValueError where the text is not of them.  It has a
+    checksum, so that one letter does not make other weights."""
+    stream = zlib.decompressobj()
     try:
-        steps = np.frombuffer(zlib.decompress(base64.b64decode(text, validate=True)), np.int8)
-    except zlib.error as error:
+        whole = np.frombuffer(stream.decompress(base64.b64decode(text, validate=True)), np.int8)
+    except (TypeError, zlib.error) as error:
         raise ValueError(f"steps: {error}") from error
-    return steps.reshape(shape).astype(float)
+    sizes = [rows * columns for rows, columns in shapes]
+    if not stream.eof or stream.unused_data or len(whole) != sum(sizes):
+        raise ValueError("steps: not of these layers")
+    parts = np.split(whole.astype(float), np.cumsum(sizes)[:-1])
+    return [part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)]
