@@ -384,7 +384,7 @@ static void mirrored_inputs_exchange_rows_and_mirror_rows(void)
         for (unsigned n = 0; n < sizeof models / sizeof *models; n++) {
             const int values = edml__output_values(models[n]), rows = values / 2;
             for (int k = 0; k < models[n]->inputs; k++) {
-                in[k] = floorf(uniform(&r, -8 * 4096, 8 * 4096)) / 4096; /* which integers hold exactly */
+                in[k] = floorf(uniform(&r, -2 * 4096, 2 * 4096)) / 4096; /* which integers hold exactly */
                 mirrored[k] = k < models[n]->even_inputs ? in[k] : -in[k];
             }
             predict(out, in, models[n]);
