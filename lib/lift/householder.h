@@ -56,7 +56,7 @@ static EDML_NOINLINE void subtract_outer(real *a, const real *w, const real *q, 
  *       reflections, each behind the diagonal entry of its row
  * band  [ORDER][2] the diagonal, and beside each entry the one off the diagonal; zero beside the last
  * |A w| <= sqrt(2) n, and q is the part of A w that is at right angles to w. */
-static void tridiagonalise(real *a, real *band)
+static EDML_NOINLINE void tridiagonalise(real *a, real *band)
 {
     for (int m = ORDER - 1; m >= 2; m--) {
         real q[ORDER];

@@ -16,6 +16,20 @@
 #include "orient_alone.h"
 #include "predict.h"
 
+/* The image in the body's frame, and what the network says of it.  Out of line, as its locals are not needed
+ * where the stack is deepest. */
+static EDML_NOINLINE edml_status ask_network(edml_work *work, const edml_keypoint in[EDML_JOINTS],
+                                             const edml_point *up, const edml_model *model)
+{
+    point direction;
+    edml_status status = up == NULL ? EDML_OK : unit_vector(&direction, *up);
+    if (status != EDML_OK) return status;
+    status = to_body_frame(&work->image, in, model->fewest_joints, model->imputation, work->io.values);
+    if (status == EDML_OK)
+        predict(&work->prediction, &work->image, up == NULL ? NULL : &direction, model, work);
+    return status;
+}
+
 /* Points in the body's frame, of what the network says. */
 static edml_status find_points(edml_work *work, const edml_model *model)
 {
@@ -24,10 +38,9 @@ static edml_status find_points(edml_work *work, const edml_model *model)
         memcpy(work->x, said->x, sizeof work->x);
         return EDML_OK;
     }
-    const int alone = !(model->gives & EDML_GIVES_POINTS);
-    if (alone && ORIENT_ALONE(model) == NULL) return EDML_ERR_MODEL;
+    if (!(model->gives & EDML_GIVES_POINTS) && ORIENT_ALONE(model) == NULL) return EDML_ERR_MODEL;
     edml_mds(work->x, said->distance, work);
-    if (alone) return ORIENT_ALONE(model)(work, model);
+    if (!(model->gives & EDML_GIVES_POINTS)) return ORIENT_ALONE(model)(work, model);
     edml_align(work->x, said->x, model);
     return EDML_OK;
 }
@@ -51,13 +64,8 @@ edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], cons
     edml_status status = edml__check_model(model, WORK_BYTES(model), memory, work_bytes);
     if (status != EDML_OK) return status;
     edml_work *const work = (edml_work *)memory; /* tests/overflow compiles this as C++ */
-    point direction;
-    status = up == NULL ? EDML_OK : unit_vector(&direction, *up);
+    status = ask_network(work, in, up, model);
     if (status != EDML_OK) return status;
-    status = to_body_frame(&work->image, in, model->fewest_joints, model->imputation, work->io.values);
-    if (status != EDML_OK) return status;
-
-    predict(&work->prediction, &work->image, up == NULL ? NULL : &direction, model, work);
     status = find_points(work, model);
     if (status != EDML_OK) return status;
     const real misfit = edml_fuse(work->x, &work->image, work->prediction.share, model);

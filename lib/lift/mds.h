@@ -18,7 +18,7 @@
 
 /* gram: upper triangle of order 13, row by row.  D <= 3 m: entries before centring <= 4.5 m^2, row sums
  * <= 58.5, Frobenius norm <= 4.5 sqrt(182) = 60.7, which no projection or rotation makes larger. */
-static void reduced_gram(real gram[TRIANGLE], const real distance[EDML_PAIRS])
+static EDML_NOINLINE void reduced_gram(real gram[TRIANGLE], const real distance[EDML_PAIRS])
 {
     enum { LAST = EDML_JOINTS - 1 };
     real row_sum[EDML_JOINTS] = {0}, last[EDML_JOINTS] = {0};
@@ -65,7 +65,8 @@ static const uint8_t most_sweeps[3] = {2, 2, 4}; /* for each eigenvalue; one is 
 /* Splits the largest eigenvalue off at the head of a band of order n.  norm: what the rest of the band is divided
  * by.  0: it is not the largest one, or not split off; that is so where many eigenvalues nearly coincide, or
  * where the matrix falls into parts. */
-static int split_largest(real *norm, edml_plane_rotation *done, int *sweeps, int most, real *band, int n)
+static EDML_NOINLINE int split_largest(real *norm, edml_plane_rotation *done, int *sweeps, int most,
+                                       real *band, int n)
 {
     *norm = divide_by_norm(band, n);
     *sweeps = 0;

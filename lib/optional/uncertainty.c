@@ -15,14 +15,14 @@ typedef struct {
     uint8_t lost[MOST_MISSING - 1]; /* not seen, nor a neighbour, by how many joints were not seen: from 2 on */
 } joint_error;
 
-static const joint_error head = {{54, 56, 62, 60, 74}, 71, {71, 75, 77}};
-static const joint_error neck = {{31, 32, 37, 36, 46}, 36, {36, 37, 38}};
-static const joint_error shoulder = {{40, 42, 47, 47, 57}, 50, {49, 51, 55}};
-static const joint_error elbow = {{57, 60, 64, 65, 74}, 79, {96, 91, 108}};
-static const joint_error wrist = {{88, 90, 98, 99, 115}, 145, {176, 187, 209}};
-static const joint_error hip = {{39, 41, 47, 45, 60}, 50, {48, 47, 54}};
-static const joint_error knee = {{62, 65, 73, 72, 90}, 94, {110, 104, 125}};
-static const joint_error ankle = {{89, 95, 108, 106, 129}, 142, {172, 185, 189}};
+static const joint_error head = {{54, 55, 61, 60, 74}, 71, {72, 73, 76}};
+static const joint_error neck = {{31, 32, 36, 36, 46}, 36, {36, 36, 38}};
+static const joint_error shoulder = {{40, 42, 47, 47, 57}, 50, {49, 51, 54}};
+static const joint_error elbow = {{57, 59, 64, 65, 73}, 79, {95, 90, 108}};
+static const joint_error wrist = {{87, 90, 98, 99, 114}, 145, {176, 185, 208}};
+static const joint_error hip = {{39, 40, 46, 45, 60}, 50, {47, 47, 54}};
+static const joint_error knee = {{61, 64, 73, 71, 90}, 92, {110, 103, 124}};
+static const joint_error ankle = {{89, 95, 107, 105, 128}, 140, {172, 184, 187}};
 
 static const joint_error *const errors[EDML_JOINTS] = {
     &head,  &neck, &shoulder, &elbow, &wrist, &shoulder, &elbow,

@@ -287,7 +287,7 @@ def test_no_sum_can_overflow(folder, net, form):
     checked are the sums of even and of odd weights, and their sum and difference."""
     most, fullest, network = quantise.ACTIVATION // 2, 0, integers(folder, net, form)
     for k, dense in enumerate(network):
-        assert dense.clamp == (most if k < len(network) - 1 else 3 * METRE)
+        assert dense.clamp == (most if k < len(network) - 1 else 3 * METRE >> 8)
         count = net.kind.even_inputs if k == 0 else len(dense.weight) // 2
         even, odd = np.split(dense.weight.astype(np.int64), [count])
         if k == 0:
@@ -348,6 +348,8 @@ def test_the_model_says_what_it_reads_and_gives(folder, net):
         "    sizeof(edml_work),",
         "    sizeof(edml_work_q),",
         "    &edml_default_imputation,",
+        "    NULL,",
+        "    NULL,",
         "    EDML_STRESS_NONE,",
         "    0, /* refinement steps */",
         "    {{0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}}, /* mirror */",

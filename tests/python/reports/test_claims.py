@@ -108,7 +108,7 @@ def test_up_helps_and_a_wrong_one_does_little_harm(ups, model, name):
     found = ups[model][Path(name).stem]
     for column in ("gt", "cpm"):
         alone, told, wrong = (found[k][column]["camera_axes"] for k in accuracy.TOLD)
-        assert told <= alone - 2 and wrong <= alone + 2, column
+        assert told <= alone - 1.5 and wrong <= alone + 2, column
 
 
 @pytest.fixture(scope="module")
@@ -166,7 +166,7 @@ def test_the_trained_rivals_are_of_the_recipes():
 
 
 @pytest.mark.parametrize(
-    ("form", "most"), [("w16", 0.2), ("w8", 0.6), ("fixed", 0.2), ("fixed_w8", 0.6)]
+    ("form", "most"), [("w16", 0.2), ("w8", 0.55), ("fixed", 0.2), ("fixed_w8", 0.55)]
 )
 @pytest.mark.parametrize("model", accuracy.TAKE_UP)
 def test_quantised_networks_lose_little_in_any_column(figures, forms, model, form, most):
@@ -215,14 +215,16 @@ def test_the_costs_are_those_of_the_tables(costs):
 
 
 LIMITS = [  # bytes of code, instructions a lift
-    ("Cortex-M4F", "distances", "f32", 16384, 155_700),
-    ("Cortex-M4F", "distances", "w16", 16384, 155_700),
-    ("Cortex-M4F", "distances", "w8", 16384, 177_300),
-    ("Cortex-M3", "distances", "fixed", 17408, 473_000),
-    ("Cortex-M0+", "distances", "fixed", 21504, 1_452_000),
-    ("Cortex-M4F", "direct", "w16", 16384, 75_000),
-    ("Cortex-M3", "direct", "fixed", 17408, 215_000),
-    ("Cortex-M0+", "direct", "fixed", 21504, 660_000),
+    ("Cortex-M4F", "distances", "f32", 11500, 100_000),
+    ("Cortex-M4F", "distances", "w16", 11500, 98_000),
+    ("Cortex-M4F", "distances", "w8", 11500, 120_000),
+    ("Cortex-M55", "distances", "w16", 12000, 78_000),
+    ("Cortex-M3", "distances", "fixed", 13500, 215_000),
+    ("Cortex-M0+", "distances", "fixed", 13500, 645_000),
+    ("Cortex-M4F", "direct", "w16", 11500, 57_000),
+    ("Cortex-M55", "direct", "w16", 12000, 37_500),
+    ("Cortex-M3", "direct", "fixed", 13500, 98_500),
+    ("Cortex-M0+", "direct", "fixed", 13500, 255_000),
 ]
 
 
@@ -234,8 +236,8 @@ def test_a_lift_is_cheap(costs, core, model, variant, code, lift):
 
 
 def test_a_lift_needs_little_memory(costs):
-    assert max(cost.work for cost in costs) <= 4263
-    assert max(cost.stack for cost in costs) <= 640
+    assert max(cost.work for cost in costs) <= 2448
+    assert max(cost.stack for cost in costs) <= 600
 
 
 def test_all_of_the_flash_is_told(tmp_path):
