@@ -3,7 +3,7 @@
 
 #include "edmlift.h"
 
-static edml_work work; /* 4.2 KB: static, because it is too large for most tasks' stacks */
+static edml_work work; /* 2.4 KB: static, because it is large for a task's stack */
 
 int main(void)
 {

@@ -1,4 +1,4 @@
-/* Work memory of a lift.  Make it static, because it is too large for most tasks' stacks.  Its contents mean
+/* Work memory of a lift.  Make it static, because it is large for a task's stack.  Its contents mean
  * nothing between calls, and its members are not part of the interface.
  *
  * SPDX-License-Identifier: MIT
