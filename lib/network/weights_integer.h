@@ -39,7 +39,7 @@ static EDML_INLINE int32_t activate(int32_t sum, const dense_layer *layer, int r
  * |sum| 2^(32 - shift) is below 2^31. */
 static inline int32_t output(int32_t sum, const dense_layer *layer, int row)
 {
-    const int32_t lifted = sum > 0 ? sum * (INT32_C(1) << (32 - layer->shift)) : 0;
+    const int32_t lifted = sum > 0 ? (int32_t)((uint32_t)sum << (32 - layer->shift)) : 0;
     const int32_t scaled = edml__high_product(lifted, layer->multiplier[row]);
     return (scaled < layer->clamp ? scaled : layer->clamp) * (1 << EDML_OUTPUT_SHIFT);
 }
