@@ -64,7 +64,7 @@ typedef struct {
         int32_t matrix[EDML_JOINTS][EDML_JOINTS], values[196];
     } io;
     union {
-        int16_t layers[2][192];
+        int16_t layers[2][192]; /* units: no fully connected layer has more */
         edml_plane_rotation_q rotation[86];
         int32_t vector[EDML_JOINTS - 1][EDML_JOINTS];
         edml_point_q24 step[4][EDML_JOINTS];

@@ -39,7 +39,7 @@ typedef struct {
         int32_t integers[196];
     } io;
     union {
-        float layer[192];
+        float layer[192]; /* units: no fully connected layer has more */
         int16_t layers[2][192];
         edml_plane_rotation rotation[86];
         float vector[EDML_JOINTS - 1][EDML_JOINTS];

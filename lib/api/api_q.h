@@ -9,8 +9,8 @@
 #include "edmlift.h"
 #include "edmlift/body.h"
 #include "edmlift/camera.h"
-#include "edmlift/many.h"
 #include "edmlift/fixed.h"
+#include "edmlift/many.h"
 #include "edmlift/stages.h"
 
 #include "../number/compiler.h"

@@ -27,11 +27,15 @@ static uint32_t hash_values(uint32_t hash, const void *values, uint32_t count, s
     return hash;
 }
 
-/* Where in its memory a network's weight is that the header has in place n. */
+/* Where in its memory a network's weight is that the header has in place n: in a block of 8x8, row and input
+ * change places. */
 static uint32_t place_of(uint32_t n, int chunk)
 {
 #ifdef EDML_BLOCKS_BY_ROW
-    if (chunk == EDML_CHUNK) return (n & ~63U) | (n & 7) << 3 | (n >> 3 & 7);
+    if (chunk == EDML_CHUNK) {
+        const uint32_t row = n % EDML_ROWS, input = n / EDML_ROWS % EDML_CHUNK;
+        return n - input * EDML_ROWS - row + row * EDML_CHUNK + input;
+    }
 #endif
     (void)chunk;
     return n;

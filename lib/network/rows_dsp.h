@@ -10,16 +10,11 @@
 #ifndef EDML_ROWS_DSP_H
 #define EDML_ROWS_DSP_H
 
-#include "weights.h"
-
-enum { ROWS = EDML_ROWS / 2 };
-#define WEIGHTS_OF(layer, row)                                                                             \
-    ((layer)->weight + ((row) & -EDML_ROWS) * (layer)->inputs + ((row) & (EDML_ROWS - 1)) * EDML_CHUNK)
+#include "rows_of_four.h"
 
 /* clang-format off */
 #ifdef EDML_BYTES
 #define SLOT(k) (((k) & ~3) | ((k) & 1) << 1 | ((k) >> 1 & 1))
-#define ROWS_BYTES "32"
 #define ADD_ROW(sum)                               \
     "    ldmia  r2!, {r0, r3}\n"                   \
     "    sxtb16 r12, r0\n"                         \
@@ -32,7 +27,6 @@ enum { ROWS = EDML_ROWS / 2 };
     "    smlad  " sum ", r3, r11, " sum "\n"
 #else
 #define SLOT(k) (k)
-#define ROWS_BYTES "64"
 #define ADD_ROW(sum)                               \
     "    ldmia  r2!, {r0, r3, r12, lr}\n"          \
     "    smlad  " sum ", r0, r8, " sum "\n"        \
@@ -54,7 +48,7 @@ __attribute__((naked, noinline)) static void sum_rows(
             "    push   {r8, r9}\n" /* [sp] end of the part, [sp, #4] of all, [sp, #8] where sums go */
             "1:  ldmia  r1!, {r8-r11}\n"
             ADD_ROW("r4") ADD_ROW("r5") ADD_ROW("r6") ADD_ROW("r7")
-            "    adds   r2, #" ROWS_BYTES "\n" /* the block's other rows */
+            "    adds   r2, #" OTHER_HALF "\n" /* the block's other rows */
             "    ldr    r0, [sp]\n"
             "    cmp    r1, r0\n"
             "    bne    1b\n"

@@ -9,18 +9,13 @@
 #ifndef EDML_ROWS_MVE_H
 #define EDML_ROWS_MVE_H
 
-#include "weights.h"
+#include "rows_of_four.h"
 
-enum { ROWS = EDML_ROWS / 2 };
 #define SLOT(k) (k)
-#define WEIGHTS_OF(layer, row)                                                                             \
-    ((layer)->weight + ((row) & -EDML_ROWS) * (layer)->inputs + ((row) & (EDML_ROWS - 1)) * EDML_CHUNK)
 
 #ifdef EDML_BYTES
-#define ROWS_BYTES "32"
 #define ADD_ROW(sum, q) "vldrb.s16 " q ", [r2], #8\n vmladava.s16 " sum ", q0, " q "\n"
 #else
-#define ROWS_BYTES "64"
 #define ADD_ROW(sum, q) "vldrh.u16 " q ", [r2], #16\n vmladava.s16 " sum ", q0, " q "\n"
 #endif
 
@@ -41,7 +36,7 @@ __attribute__((naked, noinline)) static void sum_rows(
             "    dls    lr, r3\n"
             "2:  vldrh.u16 q0, [r1], #16\n"
             ADD_ROW("r4", "q1") ADD_ROW("r6", "q2") ADD_ROW("r8", "q1") ADD_ROW("r10", "q2")
-            "    adds   r2, #" ROWS_BYTES "\n" /* the block's other rows */
+            "    adds   r2, #" OTHER_HALF "\n" /* the block's other rows */
             "    le     lr, 2b\n"
             "    strd   r4, r6, [r0], #8\n"
             "    strd   r8, r10, [r0], #8\n"

@@ -52,11 +52,7 @@ RIVALS = {
     "mlp40k": plain(pose_epochs=300, rate=2e-3, batch=128),
     "equivariant40k": alike(pose_epochs=900, rate=2e-3, batch=128),
     "martinez": rival(
-        network="residual",
-        hidden=(1024,) * 5,
-        pose_epochs=24,
-        batch=1024,
-        average=0.99,
+        network="residual", hidden=(1024,) * 5, pose_epochs=24, batch=1024, average=0.99
     ),
 }
 

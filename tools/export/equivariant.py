@@ -40,14 +40,14 @@ def len_and_name(name: str) -> tuple[int, str]:
     return len(name), name
 
 
-def even_inputs(first: int, k: int, layer: Any) -> int:
-    """How many of the inputs of layer k are even; first: of those of the network."""
-    return first if k == 0 else layer.weight.shape[0] // 2
+def even_inputs(first: int, k: int, weight: np.ndarray) -> int:
+    """How many of the inputs of layer k, weights [in, out], are even; first: of the network's."""
+    return first if k == 0 else len(weight) // 2
 
 
 def parts(first: int, k: int, weight: np.ndarray) -> tuple[int, int]:
-    """How many of the inputs of layer k, weights [in, out], are even and odd."""
-    even = first if k == 0 else len(weight) // 2
+    """How many of the inputs of layer k are even and odd."""
+    even = even_inputs(first, k, weight)
     return even, len(weight) - even
 
 
@@ -62,7 +62,7 @@ def checker(known: Layout) -> Callable[[Iterable[tuple[Any, Any]]], list[Layer]]
                     f"layer {k}: {len(layer.bias)} outputs, not a multiple of {GROUP}"
                 )
         weight, bias = layers[-1]
-        even = even_inputs(known.even, len(layers) - 1, layers[-1])
+        even = even_inputs(known.even, len(layers) - 1, layers[-1].weight)
         parts = {
             "even weight": (weight[:even], known.has_even),
             "odd weight": (weight[even:], known.has_odd),
@@ -93,7 +93,7 @@ def forward(
     """quantise.Plan.forward: inputs are even, then odd; the outputs are rows, then mirror rows."""
     values = [inputs]
     for k, layer in enumerate(layers):
-        x, even = values[-1], even_inputs(first, k, layer)
+        x, even = values[-1], even_inputs(first, k, layer.weight)
         weight = layer.weight.astype(float)
         alike = x[:, :even] @ weight[:even] + layer.bias
         unlike = x[:, even:] @ weight[even:]
@@ -122,7 +122,7 @@ def ranges(first: int, k: int, layer: Any) -> tuple[np.ndarray, np.ndarray]:
     if k == 0:
         return np.full(count, -LARGEST_INPUT), np.full(count, LARGEST_INPUT)
     most = ACTIVATION >> SPARE
-    odd = np.arange(count) >= even_inputs(first, k, layer)
+    odd = np.arange(count) >= even_inputs(first, k, layer.weight)
     return np.where(odd, -most, 0), np.where(odd, most, 2 * most)
 
 
