@@ -63,7 +63,7 @@ typedef struct {
     const int16_t *weight;            /* [groups][inputs][EDML_ROWS], or in blocks by row; EDML_ALIGN4 */
     const int32_t *bias, *multiplier; /* [groups * EDML_ROWS]; multiplier > 0 */
     uint8_t shift;                    /* 1 to 32 */
-    int32_t clamp;                    /* EDML_ACTIVATION or, paired, half of it; in the last layer 3 m */
+    int32_t clamp;                    /* the last layer: 3 m.  Others: what their kernel's bits hold */
 } edml_dense_w16;
 
 typedef struct { /* the same with weights of 8 bits */
