@@ -98,14 +98,15 @@ static real square_and_scale(horn_matrix *n)
     real trace = 0;
     for (int i = 0; i < 4; i++) {
         for (int j = i; j < 4; j++) {
-            real sum = 0;
-            for (int k = 0; k < 4; k++) sum += MUL(n->at[i][k], n->at[k][j]);
-            square.at[i][j] = sum;
+            wide sum = 0;
+            for (int k = 0; k < 4; k++) sum += EXACT(n->at[i][k], n->at[k][j]);
+            square.at[i][j] = FROM_EXACT(sum);
         }
         trace += square.at[i][i];
     }
+    const real scale = DIV(REAL(1.0), trace);
     for (int i = 0; i < 4; i++)
-        for (int j = i; j < 4; j++) n->at[i][j] = n->at[j][i] = DIV(square.at[i][j], trace);
+        for (int j = i; j < 4; j++) n->at[i][j] = n->at[j][i] = MUL(scale, square.at[i][j]);
     return trace;
 }
 

@@ -100,10 +100,11 @@ static void centre_and_scale(edml_image *image, uint16_t known)
     }
     const real middle = (top + bottom) / 2, high = (bottom - top) / 2;
     const real half = MUL(high, WIDEST) > reach ? high : DIV(reach, WIDEST);
+    const real scale = DIV(REAL(1.0), half); /* <= 3.7, and |u - mean| <= 11.2 */
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!is_seen(known, j)) continue;
-        image->at[j].u = clamp_real(DIV(image->at[j].u - mean, half), FARTHEST);
-        image->at[j].v = clamp_real(DIV(image->at[j].v - middle, half), FARTHEST);
+        image->at[j].u = clamp_real(MUL(scale, image->at[j].u - mean), FARTHEST);
+        image->at[j].v = clamp_real(MUL(scale, image->at[j].v - middle), FARTHEST);
     }
 }
 

@@ -42,16 +42,18 @@ static const uint8_t mirror_joints[MIRROR_JOINTS] = {
 
 /* ---- Inputs -------------------------------------------------------------------------------------- */
 
-#define LONGEST_2D REAL(7.99)   /* distances in the image: longer ones count as this */
-#define MIDDLE_SOFT REAL(3.5)   /* of softened distances, which are 0 to 7.44: they are counted from it */
+#define LONGEST_2D REAL(7.99) /* distances in the image: longer ones count as this */
+#define MIDDLE_SOFT REAL(3.5) /* of softened distances, which are 0 to 7.44: they are counted from it */
+#define SOFTENING Q12(EDML_SOFTENING)
 #define MISSING_INPUT REAL(0.7) /* of a joint that was not seen */
 
-/* d^2 / (d + softening) instead of d.  A distance has a kink where two joints are at the same place in the
- * image, as those of a limb that points at the camera are, and noise makes it longer. */
+/* d^2 / (d + s) instead of d, s the softening: d - s + s^2 / (d + s).  A distance has a kink where two joints
+ * are at the same place in the image, as those of a limb that points at the camera are, and noise makes it
+ * longer. */
 static real soften(real distance)
 {
     const real d = distance < LONGEST_2D ? distance : LONGEST_2D;
-    return DIV12(MUL(d, d), d + Q12(EDML_SOFTENING));
+    return d - SOFTENING + DIV16(MUL(SOFTENING, SOFTENING), d + SOFTENING);
 }
 
 /* Where the next inputs go. */

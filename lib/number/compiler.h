@@ -12,6 +12,7 @@
  * EDML_ALIGN4       weights that may be loaded a word at a time
  * EDML_IS_ALIGNED4  may words be at this pointer?
  * EDML_IN_REGISTER  an argument of a function in assembly
+ * EDML_DIVIDES      the processor has an instruction for a division; else a table and products are faster
  * EDML_COUNT_ZEROS  before the highest bit of a word, where the processor has an instruction for it
  * EDML_HIGH_PRODUCT high = (a b + 2^31) >> 32, the same
  * EDML_SATURATE     y = x limited to 0 to 2^bits - 1, the same
@@ -26,6 +27,9 @@
 #define EDML_NOINLINE
 #define EDML_INLINE inline
 #define EDML_ALIGN4
+#endif
+#ifndef __ARM_ARCH_6M__
+#define EDML_DIVIDES
 #endif
 #if defined(__ARM_FEATURE_CLZ) || defined(__x86_64__) || defined(__aarch64__) || defined(__riscv_zbb)
 #define EDML_COUNT_ZEROS(n) __builtin_clz(n)

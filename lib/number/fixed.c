@@ -4,13 +4,47 @@
  */
 #include "fixed.h"
 
+#ifdef EDML_DIVIDES
+#define reciprocal(divisor) 0
+#define quotient(n, divisor, inverse) ((void)(inverse), (n) / (divisor))
+#else
+
+/* 2^15 / (k + 1/2), k = 128 to 255; by tests/python/test_house.py. */
+static const uint8_t reciprocals[128] = {
+    255, 253, 251, 249, 247, 245, 244, 242, 240, 238, 237, 235, 233, 232, 230, 228, 227, 225, 224,
+    222, 221, 219, 218, 216, 215, 213, 212, 211, 209, 208, 207, 205, 204, 203, 202, 200, 199, 198,
+    197, 196, 194, 193, 192, 191, 190, 189, 188, 187, 186, 185, 184, 183, 182, 181, 180, 179, 178,
+    177, 176, 175, 174, 173, 172, 171, 170, 169, 168, 168, 167, 166, 165, 164, 163, 163, 162, 161,
+    160, 159, 159, 158, 157, 156, 156, 155, 154, 153, 153, 152, 151, 151, 150, 149, 149, 148, 147,
+    147, 146, 145, 145, 144, 143, 143, 142, 142, 141, 140, 140, 139, 139, 138, 137, 137, 136, 136,
+    135, 135, 134, 133, 133, 132, 132, 131, 131, 130, 130, 129, 129, 128};
+
+/* 2^31 / divisor for 2^15 <= divisor < 2^16, too small by up to 3: the table is good to 8 bits, and one step of
+ * Newton's method to 15. */
+static uint32_t reciprocal(uint32_t divisor)
+{
+    const uint32_t start = reciprocals[(divisor >> 8) - 128]; /* 2^23 / divisor */
+    const int32_t off = (INT32_C(1) << 23) - (int32_t)(divisor * start);
+    return (start << 8) + (uint32_t)((int32_t)start * off >> 15);
+}
+
+/* n / divisor, which is below 2^17, rounded down. */
+static uint32_t quotient(uint32_t n, uint32_t divisor, uint32_t inverse)
+{
+    uint32_t digit = (n >> 16) * inverse >> 15; /* too small by five at most */
+    for (n -= digit * divisor; n >= divisor; n -= divisor) digit++;
+    return digit;
+}
+
+#endif
+
 /* One digit of base 2^16 of a quotient (D. Knuth, "The Art of Computer Programming" 2, 4.3.1,
  * algorithm D): of left 2^16 + next by the divisor, whose top bit is set; left < divisor.  Keeps the
- * remainder. */
-static uint32_t next_digit(uint32_t *left, uint32_t next, uint32_t divisor)
+ * remainder.  inverse: the reciprocal of the divisor's upper half. */
+static uint32_t next_digit(uint32_t *left, uint32_t next, uint32_t divisor, uint32_t inverse)
 {
     const uint32_t high = divisor >> 16, low = divisor & 0xFFFF;
-    uint32_t digit = *left / high; /* too large by two at most */
+    uint32_t digit = quotient(*left, high, inverse); /* too large by two at most */
     const uint32_t taken = digit * low;
     uint32_t rest = (*left - digit * high) << 16 | next;
     for (int n = 0; n < 2 && rest < taken; n++) {
@@ -30,8 +64,9 @@ int32_t edml__divide_q24(int32_t a, int32_t b)
     /* |a| < 128 |b|: below 2^39 once shifted, and 2^63 in Q24; its upper word is below the divisor. */
     const uint64_t n = (uint64_t)(a < 0 ? 0 - (uint32_t)a : (uint32_t)a) << (24 + shift);
     uint32_t left = (uint32_t)(n >> 32);
-    const uint32_t high = next_digit(&left, (uint32_t)n >> 16, divisor);
-    const uint32_t low = next_digit(&left, (uint32_t)n & 0xFFFF, divisor);
+    const uint32_t inverse = reciprocal(divisor >> 16);
+    const uint32_t high = next_digit(&left, (uint32_t)n >> 16, divisor, inverse);
+    const uint32_t low = next_digit(&left, (uint32_t)n & 0xFFFF, divisor, inverse);
     const uint32_t quotient = (high << 16 | low) + (left >= divisor - left); /* 2 left >= divisor */
     return (a < 0) == (b < 0) ? (int32_t)quotient : -(int32_t)quotient;
 }
@@ -49,7 +84,7 @@ static const uint8_t inverse_roots[192] = {
     137, 136, 136, 136, 135, 135, 135, 135, 134, 134, 134, 133, 133, 133, 133, 132, 132, 132, 132, 131,
     131, 131, 130, 130, 130, 130, 129, 129, 129, 129, 128, 128};
 
-/* The root of n >= 2^30, between 2^15 and 2^16; leaves n - root^2 <= 2 root.  By a table the inverse root is
+/* The root of n >= 2^30, between 2^15 and 2^16; leaves n - root^2 <= 2 root.  By the table the inverse root is
  * good to 8 bits, and by Newton's method to 15, so that the root is off by a few at most. */
 static uint32_t root_of_word(uint32_t *n)
 {
@@ -75,10 +110,12 @@ uint32_t edml__root(uint64_t n)
     const int halved = (top != 0 ? edml__leading_zeros(top) : 32 + edml__leading_zeros((uint32_t)n)) / 2;
     n <<= 2 * halved;
     uint32_t left = (uint32_t)(n >> 32); /* >= 2^30 */
-    const uint32_t high = root_of_word(&left);
-    /* (left 2^16 + the next 16 bits) / (2 high), both halved to stay below 2^32 */
-    const uint32_t low = (left << 15 | (uint32_t)n >> 17) / high;
-    uint32_t root = high << 16 | (low < 0xFFFF ? low : 0xFFFF);
-    if ((uint64_t)root * root > n) root--;
-    return root >> halved;
+    const uint32_t high = root_of_word(&left), next = (uint32_t)n;
+    /* (left 2^16 + the upper half of next) / (2 high), both halved to stay below 2^32 */
+    left = left << 15 | next >> 17;
+    uint32_t low = quotient(left, high, reciprocal(high));
+    if (low > UINT16_MAX) low = UINT16_MAX;
+    left -= low * high;
+    const int too_large = left < 1 << 15 && (left << 17 | (next & 0x1FFFF)) < low * low;
+    return ((high << 16 | low) - (uint32_t)too_large) >> halved;
 }

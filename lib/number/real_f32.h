@@ -5,7 +5,7 @@
  *   REAL(c)       a constant, >= 0
  *   Q12(n)        the integer n counts 1 / 4096
  *   MUL DIV SQRT  of reals; DIV is the ratio of any two like numbers
- *   DIV12         a / b >= 0 to 12 fraction bits, where that is enough; b >= 1/8
+ *   DIV16         a / b to 16 fraction bits, where that is enough; 0 <= a < 1/2 <= b
  *   HYPOT NORM    length of a vector of two and of three
  *   ABS TRUNCATE  absolute value; a wide that is known to fit, as a real
  *   PRODUCT       of two reals, as a wide of finer fraction, for sums of up to 2^23
@@ -44,7 +44,7 @@ typedef float wide;
 #define EPSILON 0.0F
 #define MUL(a, b) ((a) * (b))
 #define DIV(a, b) ((a) / (b))
-#define DIV12(a, b) ((a) / (b))
+#define DIV16(a, b) ((a) / (b))
 #define SQRT(a) sqrtf(a)
 #define HYPOT(a, b) sqrtf((a) * (a) + (b) * (b))
 #define NORM(a, b, c) sqrtf((a) * (a) + (b) * (b) + (c) * (c))

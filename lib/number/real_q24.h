@@ -21,7 +21,7 @@ typedef int64_t wide;
 #define EPSILON 8
 #define MUL(a, b) edml__multiply_q24(a, b) /* to the nearest; |a b| < 128 */
 #define DIV(a, b) edml__divide_q24(a, b)   /* error <= 1/2 unit in the last place */
-#define DIV12(a, b) divide_q12(a, b)       /* error <= 2^-12 (1 + a / b^2) */
+#define DIV16(a, b) divide_q16(a, b)       /* error <= 2^-17 (1 + a / b^2) */
 #define SQRT(a) sqrt_q24(a)                /* error < 1 unit, not too large */
 #define HYPOT(a, b) hypot_q24(a, b, 0)     /* error < 1 unit, not too large; result < 128 */
 #define NORM(a, b, c) hypot_q24(a, b, c)   /* the same */
@@ -44,11 +44,11 @@ typedef char doubles_hold_24_fraction_bits[DBL_MANT_DIG >= 53 ? 1 : -1];
  * open. */
 typedef char shifts_are_arithmetic[(-3 >> 1) == -2 ? 1 : -1];
 
-/* By one division of 32 bits: a >> 24 over b >> 12 is a Q12. */
-static inline real divide_q12(real a, real b)
+/* By one division of 32 bits: a in Q32 over b in Q16 is a Q16. */
+static inline real divide_q16(real a, real b)
 {
-    const int32_t divisor = b >> 12;
-    return ((a + divisor / 2) / divisor) * 4096; /* a + divisor / 2 < 2^31 for a < 127 */
+    const uint32_t divisor = ((uint32_t)b + 128) >> 8;
+    return (real)(((uint32_t)a * 256 + divisor / 2) / divisor * 256);
 }
 
 static inline wide product_q40(real a, real b) /* rounded down */ { return edml__product(a, b) >> 8; }

@@ -20,7 +20,7 @@ typedef checked<int64_t> wide;
 #define EPSILON 8
 #define MUL(a, b) checked_mul(a, b)
 #define DIV(a, b) checked_div(a, b)
-#define DIV12(a, b) checked_div12(a, b)
+#define DIV16(a, b) checked_div16(a, b)
 #define SQRT(a) checked_sqrt(a)
 #define HYPOT(a, b) checked_norm(a, b, 0)
 #define NORM(a, b, c) checked_norm(a, b, c)
@@ -95,12 +95,12 @@ static inline real checked_div(real a, real b)
     return real::from(edml__divide_q24(a.value(), b.value()));
 }
 
-static inline real checked_div12(real a, real b)
+static inline real checked_div16(real a, real b)
 {
     tally.ratios++;
-    const int32_t divisor = b.value() >> 12, least = 1 << 9; /* 1/8 */
-    if (divisor < least || a < 0) return tally.overflows++, real(0);
-    return real::from((__int128)((a + divisor / 2).value() / divisor) * 4096);
+    if (b.value() < 1 << 23 || a < 0 || a.value() >= 1 << 23) return tally.overflows++, real(0);
+    const int64_t divisor = ((int64_t)b.value() + 128) >> 8;
+    return real::from(((int64_t)a.value() * 256 + divisor / 2) / divisor * 256);
 }
 
 static inline real checked_sqrt(real a)

@@ -34,6 +34,24 @@ def code_of(path: Path) -> str:
     return re.sub(r"/\*.*?\*/", "", path.read_text("utf-8"), flags=re.S)
 
 
+# ---- Tables ----------------------------------------------------------------------------------------
+
+
+def table_of(path: Path, name: str) -> list[int]:
+    """The numbers of a C array."""
+    match = re.search(rf"\b{name}\[\d+\] = \{{(.*?)\}};", code_of(path), re.S)
+    assert match, f"{name_of(path)} has no {name}"
+    return [int(number) for number in match[1].split(",")]
+
+
+def test_the_tables_of_division_and_root_are_as_defined():
+    fixed = LIB / "number" / "fixed.c"
+    wanted = [round(2**15 / (k + 0.5)) for k in range(128, 256)]
+    assert table_of(fixed, "reciprocals") == wanted
+    wanted = [round(2**11 / (k + 0.5) ** 0.5) for k in range(64, 256)]
+    assert table_of(fixed, "inverse_roots") == wanted
+
+
 # ---- Public functions ----------------------------------------------------------------------------
 
 

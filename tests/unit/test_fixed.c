@@ -7,6 +7,16 @@
 #include "number/fixed.h"
 #include "helpers.h"
 
+/* The same text as where the processor has no instruction for a division. */
+#undef EDML_DIVIDES
+#define edml__root root_by_table
+#define edml__divide_q24 divide_by_table
+int32_t divide_by_table(int32_t a, int32_t b);
+uint32_t root_by_table(uint64_t n);
+#include "number/fixed.c"
+#undef edml__root
+#undef edml__divide_q24
+
 static uint64_t bits64(rng *r) { return (uint64_t)rng_bits(r) << 32 | rng_bits(r); }
 
 /* ---- Root ---------------------------------------------------------------------------------------- */
@@ -14,6 +24,7 @@ static uint64_t bits64(rng *r) { return (uint64_t)rng_bits(r) << 32 | rng_bits(r
 static void check_root(uint64_t n)
 {
     const uint64_t root = edml__root(n);
+    TEST_ASSERT_EQUAL_UINT32(root, root_by_table(n));
     const uint64_t next = root + 1; /* its square is 2^64 for the largest root */
     TEST_ASSERT_TRUE(root * root <= n);
     TEST_ASSERT_TRUE(next > UINT32_MAX || next * next > n);
@@ -61,6 +72,7 @@ static void roots_of_random_numbers_of_every_size(void)
 static void check_ratio(int64_t a, int64_t b)
 {
     const int64_t q = edml__divide_q24((int32_t)a, (int32_t)b);
+    TEST_ASSERT_EQUAL_INT32(q, divide_by_table((int32_t)a, (int32_t)b));
     const int64_t wanted = (a < 0 ? -a : a) << 24;
     const int64_t error = (q < 0 ? -q : q) * (b < 0 ? -b : b) - wanted;
     TEST_ASSERT_TRUE(2 * error <= (b < 0 ? -b : b) && -2 * error < (b < 0 ? -b : b));
