@@ -9,8 +9,8 @@
 
 #include "../geometry/vector.h"
 
-enum { MOST_STEPS = 24 };             /* 4 to 7 are usual */
-#define LAST_STEP REAL(1.52587891e-5) /* 2^-16; the step after would be about its cube */
+enum { MOST_STEPS = 24 };           /* 2 or 3 are usual */
+#define LAST_STEP REAL(9.765625e-4) /* 2^-10; the error after it is about its cube */
 
 /* Divides the matrix by its Frobenius norm, which it returns; 0 if there is nothing.  In fixed point entries
  * are within 1 before, and the norm is 1/2 to 5. */

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from edmlift import joints as skeleton
-from edmlift.joints import BONE_TYPE, LIMBS, PARENT, indices, mid_hip
+from edmlift.joints import BONE_TYPE, HINGES, LIMBS, PARENT, indices, mid_hip
 
 FOCAL = 1145.0  # pixels
 CENTRE = 500.0  # principal point of the 1000x1000 image, both axes
@@ -23,6 +23,8 @@ DETECTOR_SHARE = np.array(
 )
 DETECTOR_SCALES = (0.7, 2.1)  # good and bad detections ...
 DETECTOR_BAD = 0.1  # ... and the share of bad ones
+
+STRAIGHT = np.radians(15)  # limbs that are made straight are bent by less than this
 
 ADAPTED_HEAD = (0.012, 0.012, 0.040)  # metres an axis: both ears or the crown; ears; an ear, a face
 
@@ -41,6 +43,8 @@ class Rig:
 PROTOCOL = Rig()
 ROLLED = Rig(roll_sigma=0.0, roll_range=30.0)
 CLOSE = Rig(distance=(1.5, 3.0))
+
+NO_PLANE = 1e-6  # metres: limbs whose end is nearer to their first bone's line are bent in no plane
 
 
 def look(joints: np.ndarray, rng: np.random.Generator, rig: Rig = PROTOCOL) -> np.ndarray:
@@ -235,6 +239,31 @@ def mix_limbs(
         length = np.linalg.norm(mine[:, child] - mine[:, parent], axis=-1, keepdims=True)
         direction = _unit(np.einsum("fij,fj->fi", rotation, other[:, child] - other[:, parent]))
         out[chosen, child] = out[chosen, parent] + length * direction
+    return out
+
+
+def straighten_limbs(
+    joints: np.ndarray, share: float, rng: np.random.Generator
+) -> np.ndarray:
+    """Poses of which a share of the arms and legs is straight: bent by 0 to STRAIGHT.
+
+    What is behind elbow or knee turns about it, in the plane in which the limb is bent.  A limb
+    that is straighter stays as it is.  [F,14,3] -> [F,14,3].
+    """
+    out = joints.astype(float)
+    for start, middle, end in HINGES:
+        along = _unit(out[:, middle] - out[:, start])
+        lower = out[:, end] - out[:, middle]
+        ahead = np.sum(lower * along, 1)
+        beside = lower - ahead[:, None] * along
+        aside = np.linalg.norm(beside, axis=1)
+        angle = rng.random(len(joints)) * STRAIGHT
+        chosen = (rng.random(len(joints)) < share) & (aside > ahead * np.tan(angle))
+        chosen &= aside > NO_PLANE
+        a, across = angle[chosen, None], beside[chosen] / aside[chosen, None]
+        direction = np.cos(a) * along[chosen] + np.sin(a) * across
+        length = np.linalg.norm(lower[chosen], axis=1, keepdims=True)
+        out[chosen, end] = out[chosen, middle] + length * direction
     return out
 
 

@@ -29,6 +29,7 @@ def draw_2d(joints: np.ndarray, recipe: Recipe, rng: np.random.Generator) -> Vie
         joints = np.where(rng.random((len(joints), 1, 1)) < 0.5, skeleton.mirrored(joints), joints)
     for limbs in (skeleton.ARMS, skeleton.LEGS):
         joints = cameras.mix_limbs(joints, limbs, recipe.mix, rng)
+    joints = cameras.straighten_limbs(joints, recipe.straightened, rng)
     if recipe.bodies:
         joints = cameras.vary_bodies(joints, rng)
     truth, up = draw_cameras(joints, recipe, rng)

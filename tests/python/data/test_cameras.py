@@ -5,8 +5,9 @@ import pytest
 from motions import STANDING
 
 from data import cameras
+from edmlift import angles
 from edmlift import joints as skeleton
-from edmlift.joints import INDEX, MIRROR, PARENT, mid_hip
+from edmlift.joints import HINGES, INDEX, MIRROR, PARENT, mid_hip
 
 
 @pytest.fixture
@@ -107,6 +108,38 @@ def test_left_and_right_vary_alike(people):
     varied = cameras.vary_bodies(people, np.random.default_rng(9))
     lengths = np.linalg.norm(varied - varied[:, PARENT], axis=-1)
     assert np.allclose(lengths, lengths[:, MIRROR])
+
+
+def test_straightened_limbs_are_straight_and_as_long_and_others_stay(people):
+    people = people + np.random.default_rng(9).normal(0, 0.05, people.shape)
+    straight = cameras.straighten_limbs(people, 0.3, np.random.default_rng(10))
+    before, after = angles.flexion(people), angles.flexion(straight)
+    moved = np.abs(after - before) > 1e-9
+    assert 0.2 < moved.mean() < 0.31
+    assert after[moved].max() < 15 and (after[moved] < before[moved]).all()
+    bones = [np.linalg.norm(x - x[:, PARENT], axis=-1) for x in (people, straight)]
+    assert np.allclose(*bones)
+    ends = [end for _, _, end in HINGES]
+    assert (np.delete(straight, ends, 1) == np.delete(people, ends, 1)).all()
+    assert (straight[:, ends][~moved] == people[:, ends][~moved]).all()
+
+
+def test_a_straightened_limb_stays_in_its_plane(people):
+    people = people + np.random.default_rng(9).normal(0, 0.05, people.shape)
+    straight = cameras.straighten_limbs(people, 1.0, np.random.default_rng(11))
+    for start, middle, end in HINGES:
+        upper = people[:, middle] - people[:, start]
+        normal = np.cross(upper, people[:, end] - people[:, middle])
+        lower = straight[:, end] - straight[:, middle]
+        assert np.abs(np.sum(normal * lower, 1)).max() < 1e-9
+        assert (np.sum(np.cross(upper, lower) * normal, 1) > -1e-12).all()  # to the same side
+
+
+def test_a_limb_that_is_bent_right_back_stays_as_it_is():
+    pose = np.zeros((1, 14, 3))
+    for start, middle, _ in HINGES:
+        pose[0, middle] = pose[0, start] + [0, -0.4, 0]
+    assert (cameras.straighten_limbs(pose, 1.0, np.random.default_rng(12)) == pose).all()
 
 
 def test_the_skeleton_is_a_tree_of_13_bones():
