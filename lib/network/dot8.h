@@ -1,4 +1,4 @@
-/* dot8(): eight rows of a layer.  Portable C, which dot8_vfp.h must equal bit for bit.
+/* dot8(): eight rows of a layer.  Portable C, which the processor's own must equal bit for bit.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -10,6 +10,8 @@
 #ifdef DOT8 /* the processor's own */
 #include DOT8
 #else
+
+#define SLOT(k) (k) /* where unit k is kept */
 
 /* y = b + W x of eight rows; y may be b.  Eight registers hold the sums, each in the order of the inputs:
  * the compiler may use vector instructions, and the bits are the same without them.  Leaving a

@@ -5,8 +5,8 @@
  *
  * Maps lie pixel by pixel, a pixel's channels side by side, so that what a pixel of the next map sees of a
  * row of this one is one run of inputs to dot8().  A layer is a fully connected one of such a window: its
- * inputs are [7][7][channels].  No map before a pooling and none before the last layer is ever whole in
- * memory.
+ * inputs are [7][7][channels].  The image has one channel, and its windows are copied, because they are filled
+ * up to a multiple of CHUNK.  No map before a pooling and none before the last layer is ever whole in memory.
  *
  * A model has FCONV_LAYERS of edml_dense_*: two convolutions, two transposed ones, and 1x1.  They have up
  * to FCONV_CHANNELS outputs, a multiple of EDML_ROWS.  In integers the sums of the last stay within +-2^30,
@@ -22,15 +22,17 @@
 
 enum { FCONV_LAYERS = 5, FCONV_CHANNELS = 64 };
 
-enum { TAPS = 7, SIDE = EDML_JOINTS };
+enum { TAPS = 7, SIDE = EDML_JOINTS, WINDOW = (TAPS * TAPS + EDML_CHUNK - 1) / EDML_CHUNK * EDML_CHUNK };
 
 /* A layer and the map that it reads, of `size` x `size` pixels.  `up`: a transposed convolution of
  * stride 2, whose taps lie in the order 6 4 2 0 5 3 1 on each axis: those that an odd pixel sees
- * first, then those that an even one does, in the order of the inputs. */
+ * first, then those that an even one does, in the order of the inputs.  `copy`: NULL, or where its windows
+ * are copied, [WINDOW], as those of the image are. */
 typedef struct {
     const dense_layer *layer;
     const activation *in;
     int size, up;
+    activation *copy;
 } convolution;
 
 /* On an axis: the first input that a pixel sees, its tap, and how many. */
@@ -56,6 +58,19 @@ static window window_at(const convolution *c, int at)
     return seen;
 }
 
+/* Of the image, outside which there is nothing. */
+static void sum_copied(value *sum, const convolution *c, int y, int x)
+{
+    for (int n = 0; n < c->layer->inputs; n++) {
+        const int v = y - TAPS / 2 + n / TAPS, u = x - TAPS / 2 + n % TAPS;
+        const int inside = n < TAPS * TAPS && v >= 0 && v < SIDE && u >= 0 && u < SIDE;
+        c->copy[SLOT(n)] = inside ? c->in[v * SIDE + u] : 0;
+    }
+    for (int row = 0; row < c->layer->outputs; row += EDML_ROWS)
+        dot8(sum + row, c->copy, c->layer->weight + row * c->layer->inputs, c->layer->bias + row,
+             c->layer->inputs);
+}
+
 static void sum_window(value *sum, const convolution *c, window down, window across)
 {
     const int channels = c->layer->inputs / (TAPS * TAPS), run = across.count * channels;
@@ -70,6 +85,15 @@ static void sum_window(value *sum, const convolution *c, window down, window acr
     }
 }
 
+/* A pixel of what the layer gives before ReLU and pooling. */
+static void sum_pixel(value *sum, const convolution *c, int y, int x)
+{
+    if (c->copy != NULL)
+        sum_copied(sum, c, y, x);
+    else
+        sum_window(sum, c, window_at(c, y), window_at(c, x));
+}
+
 /* A pixel of what the layer gives: [outputs] after the ReLU; of a plain convolution the largest of up
  * to 2x2, which at the end of an odd side are fewer. */
 static void fconv_pixel(activation *out, const convolution *c, int y, int x, value sum[2][FCONV_CHANNELS])
@@ -79,13 +103,13 @@ static void fconv_pixel(activation *out, const convolution *c, int y, int x, val
     for (int v = y * pool; v < y * pool + pool && v < end; v++) {
         for (int u = x * pool; u < x * pool + pool && u < end; u++) {
             const int first = v == y * pool && u == x * pool;
-            sum_window(first ? largest : sum[1], c, window_at(c, v), window_at(c, u));
+            sum_pixel(first ? largest : sum[1], c, v, u);
             for (int k = 0; k < outputs && !first; k++)
                 if (sum[1][k] > largest[k]) largest[k] = sum[1][k];
         }
     }
     for (int k = 0; k < outputs; k++)
-        out[k] = (activation)activate(largest[k], c->layer, k, EDML_UNIT_BITS);
+        out[SLOT(k)] = (activation)activate(largest[k], c->layer, k, EDML_UNIT_BITS);
 }
 
 static void fill_map(activation *out, int side, const convolution *c, value sum[2][FCONV_CHANNELS])
@@ -122,8 +146,11 @@ EDML_INTERNAL void WEIGHTS(edml__fconv)(value *out, const value *in, const edml_
 {
     fconv_maps *maps = scratch;
     const dense_layer *layer = model->layers;
-    const convolution down1 = {layer, maps->narrow, 14, 0}, down2 = {layer + 1, maps->wide, 7, 0};
-    const convolution up1 = {layer + 2, maps->narrow, 4, 1}, up2 = {layer + 3, maps->wide, 7, 1};
+    activation *const behind_image = maps->narrow + SIDE * SIDE;
+    const convolution down1 = {layer, maps->narrow, 14, 0, behind_image};
+    const convolution down2 = {layer + 1, maps->wide, 7, 0, NULL};
+    const convolution up1 = {layer + 2, maps->narrow, 4, 1, NULL},
+                      up2 = {layer + 3, maps->wide, 7, 1, NULL};
     fill_image(maps->narrow, in);
     fill_map(maps->wide, 7, &down1, maps->sum);
     fill_map(maps->narrow, 4, &down2, maps->sum);
@@ -142,7 +169,7 @@ EDML_INTERNAL void WEIGHTS(edml__fconv)(value *out, const value *in, const edml_
 
 EDML_INTERNAL uint32_t WEIGHTS(edml__fconv_checksum)(const edml_model *model)
 {
-    return hash_layers(model->layers, model->layer_count, 1);
+    return hash_layers(model->layers, model->layer_count, CHUNK);
 }
 
 #endif

@@ -8,7 +8,6 @@
 #include "dot8.h"
 
 enum { ROWS = EDML_ROWS };
-#define SLOT(k) (k)
 #define WEIGHTS_OF(layer, row) ((layer)->weight + (row) * (layer)->inputs)
 
 static void sum_rows(value sum[2][ROWS], const activation *x, const weight *w, const value *bias, int even,

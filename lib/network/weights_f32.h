@@ -62,13 +62,9 @@ enum { CHUNK = 1 };
 #define OTHER_UNITS(scratch, out) (out)
 #if defined(__GNUC__) && (defined(__SSE2__) || defined(__aarch64__))
 #define SUM_ROWS "rows_vector.h"
-#else
-#define SUM_ROWS "rows_by_input.h"
-#endif
-
-#if defined(__SSE2__) || defined(__aarch64__)
 #define SKIPS_ZEROS 0
 #else
+#define SUM_ROWS "rows_by_input.h"
 #define SKIPS_ZEROS 1
 #endif
 

@@ -70,6 +70,10 @@ enum { CHUNK = EDML_CHUNK };
 #define SUM_ROWS "rows_by_row.h"
 #endif
 
+#ifdef EDML_BLOCKS_BY_ROW
+#define DOT8 "dot8_by_blocks.h"
+#endif
+
 #define HASH_MULTIPLIERS(hash, layer, rows)                                                                \
     ((hash) = hash_values(hash, (layer)->multiplier, rows, sizeof *(layer)->multiplier))
 

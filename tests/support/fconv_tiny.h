@@ -13,7 +13,7 @@ EDML_KERNEL(fconv, w8);
 
 enum { TINY_LAYERS = 5, TINY_MAX_WEIGHTS = 49 * 16 * 16 };
 
-static int8_t tiny_weight[TINY_LAYERS][TINY_MAX_WEIGHTS];
+static int8_t tiny_weight[TINY_LAYERS][TINY_MAX_WEIGHTS]; /* inputs filled up to whole blocks */
 static float tiny_weight_f32[TINY_LAYERS][TINY_MAX_WEIGHTS];
 static int32_t tiny_bias[TINY_LAYERS][16], tiny_multiplier[TINY_LAYERS][16];
 static float tiny_bias_f32[TINY_LAYERS][16];
@@ -26,14 +26,31 @@ static int tiny_draw(uint32_t *state) /* -127 to 127 */
     return (int)((*state >> 16) % 255) - 127;
 }
 
+/* Where the weight of an input and a row is in integers. */
+static int tiny_place(int inputs, int input, int row)
+{
+    const int group = row / EDML_ROWS * EDML_ROWS, block = input / EDML_CHUNK * EDML_CHUNK;
+    row -= group;
+    input -= block;
+#ifdef EDML_BLOCKS_BY_ROW
+    const int place = row * EDML_CHUNK + input;
+#else
+    const int place = input * EDML_ROWS + row;
+#endif
+    return group * inputs + block * EDML_ROWS + place;
+}
+
 /* A layer whose weights are multiples of 2^-scale.  Activations are in Q12, so that in integers a
  * sum is in Q(12 + scale). */
 static void tiny_layer(int n, int inputs, int outputs, int scale, uint32_t *state)
 {
     const int rows = (outputs + EDML_ROWS - 1) / EDML_ROWS * EDML_ROWS, last = n == 4;
+    const int filled = (inputs + EDML_CHUNK - 1) / EDML_CHUNK * EDML_CHUNK;
     for (int k = 0; k < rows * inputs; k++) {
-        tiny_weight[n][k] = (int8_t)(k % EDML_ROWS < outputs ? tiny_draw(state) : 0);
-        tiny_weight_f32[n][k] = (float)tiny_weight[n][k] / (float)(1 << scale);
+        const int input = k / EDML_ROWS % inputs, row = k / EDML_ROWS / inputs * EDML_ROWS + k % EDML_ROWS;
+        const int drawn = k % EDML_ROWS < outputs ? tiny_draw(state) : 0;
+        tiny_weight[n][tiny_place(filled, input, row)] = (int8_t)drawn;
+        tiny_weight_f32[n][k] = (float)drawn / (float)(1 << scale);
     }
     for (int k = 0; k < rows; k++) {
         tiny_multiplier[n][k] = 1 << (last ? 31 - 13 - scale + 16
@@ -43,7 +60,7 @@ static void tiny_layer(int n, int inputs, int outputs, int scale, uint32_t *stat
         tiny_bias_f32[n][k] = (float)tiny_bias[n][k] / (float)(4096 << scale);
     }
     const edml_dense_f32 f32 = {(uint16_t)inputs, (uint16_t)outputs, tiny_weight_f32[n], tiny_bias_f32[n]};
-    const edml_dense_w8 w8 = {(uint16_t)inputs,
+    const edml_dense_w8 w8 = {(uint16_t)filled,
                               (uint16_t)outputs,
                               tiny_weight[n],
                               tiny_bias[n],

@@ -107,6 +107,7 @@ FCONV = Kind(
     forms=("f32", "w8"),
     multiply_adds=fconv.multiply_adds,
     order=fconv.as_c_has_it,
+    parts=lambda k, weight: [len(weight)],
     unit=fconv_weights.unit_of,
 )
 EQUIVARIANT = {kind.model: kind for kind in (DISTANCES, DIRECT)}
