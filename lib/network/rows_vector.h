@@ -1,5 +1,6 @@
-/* rows.h in float for processors with vectors of four: up to 32 rows at a time, so that no sum waits for another.
- * Each is in the order of the inputs, as in dot8.h: the same bits.
+/* rows.h in float for processors with vectors of four numbers, or of eight where it is compiled for AVX: up to
+ * 32 rows at a time, so that no sum waits for another.  Each is in the order of the inputs, as in dot8.h: the
+ * same bits.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -12,7 +13,8 @@ enum { ROWS = 4 * EDML_ROWS };
 #define SLOT(k) (k)
 #define WEIGHTS_OF(layer, row) ((layer)->weight + (row) * (layer)->inputs)
 
-typedef float four __attribute__((vector_size(16), aligned(4), may_alias));
+enum { LANES = __BIGGEST_ALIGNMENT__ < 32 ? 4 : 8 };
+typedef float lanes __attribute__((vector_size(4 * LANES), aligned(4), may_alias));
 
 /* Those of x [inputs] that are not zero.  No branch depends on them: none is mispredicted. */
 static int list_inputs(uint8_t list[EDML_MAX_UNITS], const activation *x, int inputs)
@@ -29,18 +31,19 @@ static int list_inputs(uint8_t list[EDML_MAX_UNITS], const activation *x, int in
 static EDML_INLINE void add_listed(value *sum, const activation *x, const weight *w, const uint8_t *list,
                                    int count, int stride, int groups)
 {
-    four s[2 * ROWS / EDML_ROWS];
+    lanes s[ROWS / LANES];
+    const int vectors = groups * EDML_ROWS / LANES;
 #pragma GCC unroll 8
-    for (int v = 0; v < 2 * groups; v++) s[v] = *(const four *)(sum + 4 * v);
+    for (int v = 0; v < vectors; v++) s[v] = *(const lanes *)(sum + LANES * v);
     for (const uint8_t *const end = list + count; list < end; list++) {
         const value xi = x[*list];
-        const four xs = {xi, xi, xi, xi};
         const weight *const wi = w + *list * EDML_ROWS;
 #pragma GCC unroll 8
-        for (int v = 0; v < 2 * groups; v++) s[v] += *(const four *)(wi + v / 2 * stride + v % 2 * 4) * xs;
+        for (int v = 0; v < vectors; v++)
+            s[v] += *(const lanes *)(wi + LANES * v / EDML_ROWS * stride + LANES * v % EDML_ROWS) * xi;
     }
 #pragma GCC unroll 8
-    for (int v = 0; v < 2 * groups; v++) *(four *)(sum + 4 * v) = s[v];
+    for (int v = 0; v < vectors; v++) *(lanes *)(sum + LANES * v) = s[v];
 }
 
 static void add_part(value sum[ROWS], const activation *x, const weight *w, int inputs, int stride,

@@ -159,7 +159,12 @@ def test_the_library_has_few_conditions_of_the_preprocessor() -> None:
 # ---- Names ---------------------------------------------------------------------------------------
 
 # Files that define the same words, of which a translation unit includes one.
-FAMILIES = [("number/real_",), ("api/api_",), ("network/weights_",), ("network/dot8", "network/rows_")]
+FAMILIES = [
+    ("number/real_",),
+    ("api/api_",),
+    ("network/weights_",),
+    ("network/dot8", "network/rows_"),
+]
 
 
 def family(path: Path) -> str:
