@@ -1,4 +1,5 @@
-/* Counts instructions under `qemu -icount`: COUNTS_PER_1000 in 1000 instructions.
+/* Counts instructions under `qemu -icount`: COUNTS_PER_1000 in 1000 instructions.  With -DRP2040, cycles of
+ * the model of tools/reports/rp2040.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -21,12 +22,19 @@ static uint32_t counter_start;
 static void start_counter(void) { counter_start = instret(); }
 static uint32_t read_counter(void) { return instret() - counter_start; }
 
-static volatile uint8_t *stack_pointer(void)
+#elif defined(RP2040) /* BKPT 1 */
+
+static uint32_t cycles(void)
 {
-    volatile uint8_t *top;
-    __asm__ volatile("mv %0, sp" : "=r"(top));
-    return top;
+    register uint32_t now __asm__("r0");
+    __asm__ volatile("bkpt 1" : "=r"(now)::"memory");
+    return now;
 }
+
+static uint32_t counter_start;
+
+static void start_counter(void) { counter_start = cycles(); }
+static uint32_t read_counter(void) { return cycles() - counter_start; }
 
 #else /* Cortex-M: SysTick counts time down, and an instruction takes always the same time */
 
@@ -54,11 +62,15 @@ static uint32_t read_counter(void)
     return SYSTICK_MOST - now;
 }
 
+#endif
+
 static volatile uint8_t *stack_pointer(void)
 {
     volatile uint8_t *top;
+#ifdef __riscv
+    __asm__ volatile("mv %0, sp" : "=r"(top));
+#else
     __asm__ volatile("mov %0, sp" : "=r"(top));
+#endif
     return top;
 }
-
-#endif

@@ -9,8 +9,8 @@
 #define edml_edm bench_edm
 #include "lift/inputs.h"
 
-#ifdef FCONV
-enum { POSES = 4, STEPS = 10 }; /* its work hardly depends on the pose */
+#if defined(FCONV) || defined(RP2040)
+enum { POSES = 4, STEPS = 10 }; /* FConv's work hardly depends on the pose, and the model is slow */
 #else
 enum { POSES = 64, STEPS = 10 };
 #endif
