@@ -69,7 +69,8 @@ def test_rivals_have_the_parameters_that_they_are_named_for():
 
 
 def test_all_rivals_are_trained_as_the_librarys_network():
-    own = ("network", "hidden", "pose_epochs", "batch", "rate", "average", "up", "fuse", "adam")
+    own = ["network", "hidden", "pose_epochs", "batch", "rate", "average", "up", "fuse", "adam"]
+    own.append("straightened")
     for recipe in (*rivals.RIVALS.values(), *rivals.TRIALS.values()):
         for name, value in dataclasses.asdict(RECIPES["direct"]).items():
             assert name in own or getattr(recipe, name) == value, name

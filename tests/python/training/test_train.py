@@ -267,16 +267,17 @@ def test_the_command_trains_an_equivariant_network(tmp_path, kind):
     written, arrays, printed = trained(tmp_path, kind)
     assert [file["subjects"] for file in written["data"]["files"]] == [[1, 2, 3]] * 2
     assert written["data"]["held_out"] == [4] and "motion gt" in written["validation"]
-    layers = 3 if kind == "distances" else 4
+    hidden = RECIPES[kind].hidden
+    layers = len(hidden) + 1
     known = layout.layout(kind)
-    assert arrays["weight0"].shape == (known.even + known.odd, 88)
+    assert arrays["weight0"].shape == (known.even + known.odd, hidden[0])
     assert len(arrays[f"bias{layers - 1}"]) == len(known.has_even)
     assert len(arrays) == 2 * layers
     assert ("mds_share" in written) == (kind == "distances")
     assert written["fusion"]["share"] == 1 and written["fusion"]["distance"] >= NEAREST
     assert not {"mirror", "objective", "max_aspect"} & written.keys()
     silent = written["silent_units"]
-    assert len(silent) == layers - 1 and all(0 <= count < 88 for count in silent)
+    assert all(0 <= count < width for count, width in zip(silent, hidden, strict=True))
     assert f"never fire, layer by layer: {silent}" in printed
     read, layers = read_network(tmp_path / "net.npz")  # the exporter takes it
     assert read.model == kind and read_settings(tmp_path / "net.json", read.needs)
