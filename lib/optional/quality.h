@@ -24,14 +24,14 @@ static const struct {
 };
 
 /* Weights, and the limits that their inputs are clamped to. */
-#define PER_MISFIT REAL(21.876)   /* a metre */
+#define PER_MISFIT REAL(20.774)   /* a metre */
 #define MAX_METRES REAL(0.5)      /* of it */
-#define PER_MISSING REAL(0.521)   /* a joint */
+#define PER_MISSING REAL(0.454)   /* a joint */
 #define MAX_MISSING 4             /* joints; the networks need the others */
-#define PER_VIOLATION REAL(7.262) /* a metre */
+#define PER_VIOLATION REAL(7.477) /* a metre */
 #define MAX_VIOLATION REAL(4.0)   /* metres, of all bones */
-#define PER_SIDE REAL(0.730)      /* seen from the side, not from the front */
-#define QUALITY_CONSTANT REAL(3.007)
+#define PER_SIDE REAL(0.781)      /* seen from the side, not from the front */
+#define QUALITY_CONSTANT REAL(2.813)
 
 static real clamp_to(api_real a, real limit) { return a < TO_API(limit) ? FROM_API(a) : limit; }
 

@@ -75,9 +75,6 @@ def test_the_others_are_seen_from_below(name: str, below: float):
         assert sign * tilt == pytest.approx(below, abs=2)
 
 
-# Degrees, where an upright person leans by more than 5 though up is known: measured 6.1.
-MOST_LEAN = {("distances_f32", 30): 7}
-
 # ---- What must come out ----------------------------------------------------------------------
 
 
@@ -89,7 +86,7 @@ def test_someone_upright_before_a_camera_that_looks_down_does_not_lean(model: st
     assert told.ok.all() and alone.ok.all()
     for degrees in (10, 20, 30):
         those = elevation == degrees
-        assert leans(told.joints[those], up[those]).mean() < MOST_LEAN.get((model, degrees), 5)
+        assert leans(told.joints[those], up[those]).mean() < 5
         assert leans(alone.joints[those], up[those]).mean() < 10, degrees
 
 

@@ -933,7 +933,7 @@ def test_fixed_point_places_nearly_there() -> None:
         assert a[COLUMNS] == b[COLUMNS] == "ok"
         np.testing.assert_allclose(numbers(b[:COLUMNS]), numbers(a[:COLUMNS]), atol=0.01)
         np.testing.assert_allclose(
-            [float(n) for n in b[-5:]], [float(n) for n in a[-5:]], rtol=0.005, atol=0.04
+            [float(n) for n in b[-5:]], [float(n) for n in a[-5:]], rtol=0.005, atol=0.01
         )
     (swept,) = place(GOOD, "--fixed", "--focal", "sweep", "--image", "1000,1000")
     assert swept[COLUMNS] == "ok" and 500 <= float(swept[-1]) <= 4000

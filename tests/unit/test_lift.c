@@ -276,31 +276,7 @@ static float thinnest_correlation(const point x[EDML_JOINTS], const point onto[E
                    size);
 }
 
-/* How far the third eigenvalue of the Gram matrix is above the fourth, in parts of the third: where it is not,
- * rounding chooses between their axes. */
-static float third_axis_gap(const real distance[EDML_PAIRS])
-{
-    static edml_eigen e;
-    double a[EDML_JOINTS][EDML_JOINTS] = {{0}}, mean[EDML_JOINTS] = {0}, all = 0;
-    edml_matrix gram;
-    for (int i = 0; i < EDML_JOINTS; i++) {
-        for (int j = 0; j < EDML_JOINTS; j++) {
-            const int pair = i < j ? EDML_PAIR(i, j) : EDML_PAIR(j, i);
-            const double length = i == j ? 0 : (double)from_real(distance[pair]);
-            a[i][j] = -length * length / 2;
-            mean[i] += a[i][j] / EDML_JOINTS;
-            all += a[i][j] / (EDML_JOINTS * EDML_JOINTS);
-        }
-    }
-    for (int i = 0; i < EDML_JOINTS; i++)
-        for (int j = 0; j < EDML_JOINTS; j++)
-            gram.at[i][j] = to_real((float)(a[i][j] - mean[i] - mean[j] + all));
-    edml_jacobi(&e, &gram);
-    return from_real(e.value[2] - e.value[3]) / from_real(e.value[2]);
-}
-
-/* Points in the body's frame, of what the network said.  Returns how clearly it is this mirror image; 0 where it
- * is not clear which axes these are. */
+/* Points in the body's frame, of what the network said.  Returns how clearly it is this mirror image. */
 static float find_points(point x[EDML_JOINTS], const edml_model *model)
 {
     memcpy(x, said.x, sizeof said.x);
@@ -311,9 +287,9 @@ static float find_points(point x[EDML_JOINTS], const edml_model *model)
         TEST_ASSERT_EQUAL_INT(EDML_OK, edml_orient(x, &framed));
         return from_real(edml_mirror(x, model));
     }
-    const float clear = thinnest_correlation(x, said.x), apart = third_axis_gap(said.distance);
+    const float clear = thinnest_correlation(x, said.x);
     edml_align(x, said.x, model);
-    return apart > 0.1F ? clear : 0;
+    return clear;
 }
 
 /* Returns as find_points(). */
@@ -355,7 +331,7 @@ static void a_lift_is_its_stages(void)
     }
 }
 
-/* Is it so clear which axes and which mirror image it is that rounding does not decide? */
+/* Is it so clear which mirror image it is that rounding does not decide? */
 static int is_clear(const edml_model *model)
 {
     edml_pose lifted;

@@ -1,6 +1,7 @@
 """What the repository says of itself is what its tools measure now."""
 
 import dataclasses
+import itertools
 import json
 import subprocess
 import sys
@@ -108,7 +109,7 @@ def test_up_helps_and_a_wrong_one_does_little_harm(ups, model, name):
     found = ups[model][Path(name).stem]
     for column in ("gt", "cpm"):
         alone, told, wrong = (found[k][column]["camera_axes"] for k in accuracy.TOLD)
-        assert told <= alone - 1.5 and wrong <= alone + 2, column
+        assert told <= alone - 1.8 and wrong <= alone + 2, column
 
 
 @pytest.fixture(scope="module")
@@ -120,16 +121,11 @@ def test_angles_are_those_of_the_page(angle_figures):
     assert markdown.read(ACCURACY, "angles") == command.by_set(angles.report, angle_figures)
 
 
-# Degrees.  CMU's people hold an elbow straight in 1 % of the poses, as its training people do.
-BIAS = {(TEST, "straight knees"): 7, (OTHERS_TEST, "straight knees"): 5}
-BIAS |= {(OTHERS_TEST, "straight elbows"): 5}
-
-
 def test_straight_limbs_are_straight(angle_figures):
-    for (name, limb), most in BIAS.items():
+    for name, limb in itertools.product((TEST, OTHERS_TEST), ("straight elbows", "straight knees")):
         for model in accuracy.TAKE_UP:
             views = angle_figures[Path(name).stem][model]
-            assert abs(views["gt"][limb][1]) <= most, (name, limb, model)
+            assert abs(views["gt"][limb][1]) <= 5, (name, limb, model)
 
 
 @pytest.fixture(scope="module")
@@ -166,7 +162,7 @@ def test_the_trained_rivals_are_of_the_recipes():
 
 
 @pytest.mark.parametrize(
-    ("form", "most"), [("w16", 0.2), ("w8", 0.55), ("fixed", 0.2), ("fixed_w8", 0.55)]
+    ("form", "most"), [("w16", 0.2), ("w8", 0.5), ("fixed", 0.2), ("fixed_w8", 0.5)]
 )
 @pytest.mark.parametrize("model", accuracy.TAKE_UP)
 def test_quantised_networks_lose_little_in_any_column(figures, forms, model, form, most):
@@ -187,8 +183,8 @@ def test_fconv_in_8_bits_loses_little_in_any_column():
 def test_fixed_point_is_the_float_lift(forms, model):
     for found in forms[model].values():
         for name, column in found["fixed"].items():
-            assert column["moved"] <= 0.5 and column["moved_999"] <= 10, name
-            assert column["mirrored"] <= 6, name  # of some 6,000
+            assert column["moved"] <= 0.5 and column["moved_999"] <= 5, name
+            assert column["mirrored"] <= 5, name  # of some 6,000
 
 
 def test_operations_are_those_of_the_table_and_none_overflows(people):
