@@ -21,7 +21,9 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from data.paths import DOCS, ROOT
+import numpy as np
+
+from data.paths import DOCS, GEN, ROOT
 from model.manifest import read_manifest
 from reports import markdown
 from reports.targets import (
@@ -57,6 +59,14 @@ SUMMARY = [  # the chip; core, model and variant of the figures
     ("no FPU, such as Cortex-M3", "Cortex-M3", "direct", "fixed"),
     ("no FPU, small: Cortex-M0+", "Cortex-M0+", "direct", "fixed"),
 ]
+# Instructions that a multiplication takes at least where several go at a time: its share of the
+# product's, and of a load of weights (four words at a time, or a vector); of 8 bits, of widening two.
+FLOORS = {
+    ("Cortex-M4F", "w16"): 1 / 2 + 1 / 8,
+    ("Cortex-M4F", "w8"): 1 / 2 + 1 / 2 + 1 / 16,
+    ("Cortex-M55", "w16"): 1 / 8 + 1 / 8,
+    ("Cortex-M55", "w8"): 1 / 8 + 1 / 8,
+}
 METRICS = {"f32": "metrics", "w16": "metrics_w16", "w8": "metrics_w8"}  # errors in the manifest
 
 
@@ -256,6 +266,20 @@ def summary_table(costs: list[Cost]) -> str:
     return to_table(head, rows)
 
 
+def floor_table(costs: list[Cost]) -> str:
+    """The networks of which no zero is left out, beside what their multiplications take."""
+    of = {(cost.core, cost.variant, cost.model): cost.network for cost in costs}
+    rows: list[Row] = []
+    for (core, variant), least in FLOORS.items():
+        for model in MODELS:
+            with np.load(GEN / f"{model}.npz") as arrays:
+                products = sum(arrays[n].size for n in arrays if n.startswith("weight"))
+            network, floor = of[core, variant, model], round(products * least)
+            rows.append([core, variant, model, products, floor, network, f"{network / floor:.2f}"])
+    heads = ["core", "variant", "model", "multiplications", "floor", "network", "times the floor"]
+    return to_table(heads, rows)
+
+
 class Disagreement(Exception):
     """Figures that are not what was measured."""
 
@@ -278,7 +302,8 @@ def check(measured: list[Cost]) -> None:
     written = parse(markdown.read(COSTS, "costs"))
     compare(written, measured)
     for page, name, table in (
-        (COSTS, "size_report", short_tables), (README, "summary", summary_table)
+        (COSTS, "size_report", short_tables), (COSTS, "floor", floor_table),
+        (README, "summary", summary_table),
     ):  # fmt: skip
         if markdown.read(page, name).strip() != table(written):
             raise Disagreement(f"{page.name}, {name}: not that of docs/costs.md, costs")
@@ -299,6 +324,7 @@ def update(measured: list[Cost]) -> None:
     """Writes the tables of both pages."""
     markdown.write(COSTS, "costs", full_table(measured))
     markdown.write(COSTS, "size_report", short_tables(measured))
+    markdown.write(COSTS, "floor", floor_table(measured))
     markdown.write(README, "summary", summary_table(measured))
 
 
