@@ -5,6 +5,8 @@
 #ifndef EDML_DOT8_BY_BLOCKS_H
 #define EDML_DOT8_BY_BLOCKS_H
 
+#include <stddef.h>
+
 #include "weights.h"
 
 #include SUM_ROWS
@@ -12,9 +14,10 @@
 /* x is kept as units are, unit k at SLOT(k); inputs: a multiple of CHUNK. */
 static void dot8(value y[EDML_ROWS], const activation *x, const weight *w, const value *b, int inputs)
 {
+    const layer_inputs in = {x, inputs, 0, inputs, NULL};
     for (int row = 0; row < EDML_ROWS; row += ROWS) {
         value sum[2][ROWS];
-        sum_rows(sum, x, w + row * EDML_CHUNK, b + row, inputs, 0, ROWS);
+        sum_rows(sum, &in, w + row * EDML_CHUNK, b + row, ROWS);
         for (int k = 0; k < ROWS; k++) y[row + k] = sum[0][k];
     }
 }

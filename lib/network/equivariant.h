@@ -23,10 +23,10 @@
 
 /* [0] what even inputs, [1] what odd ones add to the sums of rows, the first of them `row`: their sum is that
  * of a row, their difference that of its mirror row. */
-static void sum_parts(value sum[2][ROWS], const activation *x, int even, const dense_layer *layer, int row,
+static void sum_parts(value sum[2][ROWS], const layer_inputs *in, const dense_layer *layer, int row,
                       int rows)
 {
-    sum_rows(sum, x, WEIGHTS_OF(layer, row), layer->bias + row, even, layer->inputs - even, rows);
+    sum_rows(sum, in, WEIGHTS_OF(layer, row), layer->bias + row, rows);
 }
 
 /* Units and mirror units of rows: y[k] is their sum, which is even, y[count + k] their difference.  Out
@@ -43,13 +43,12 @@ static EDML_NOINLINE void activate_rows(activation *y, value sum[2][ROWS], const
     }
 }
 
-static void activate_layer(activation *y, const activation *x, int even, const dense_layer *layer,
-                           int count)
+static void activate_layer(activation *y, const layer_inputs *in, const dense_layer *layer, int count)
 {
     for (int row = 0; row < count; row += ROWS) {
         const int rows = rows_from(row, count);
         value sum[2][ROWS];
-        sum_parts(sum, x, even, layer, row, rows);
+        sum_parts(sum, in, layer, row, rows);
         activate_rows(y + row, sum, layer, row, rows, count);
     }
 }
@@ -69,20 +68,23 @@ EDML_INTERNAL void WEIGHTS(edml__equivariant)(value *out, const value *in, const
 {
     const dense_layer *layer = model->layers;
     activation *x = scratch, *y = OTHER_UNITS(scratch, out);
+    uint8_t own_list[OWN_LIST ? LISTED : 1];
     if (model->layer_count % 2 == 0) swap_units(&x, &y);
     int even = read_inputs(x, in, model->even_inputs);
     read_inputs(x + even, in + model->even_inputs, model->inputs - model->even_inputs);
     for (int n = 1; n < model->layer_count; n++, layer++) {
         const int count = EDML_ROWS * EDML_GROUPS(layer->outputs);
-        activate_layer(y, x, even, layer, count);
+        const layer_inputs read = take_inputs(x, even, layer, OWN_LIST ? own_list : (uint8_t *)out);
+        activate_layer(y, &read, layer, count);
         even = count;
         swap_units(&x, &y);
     }
     const int count = EDML_ROWS * EDML_GROUPS(layer->outputs);
+    const layer_inputs read = take_inputs(x, even, layer, OWN_LIST ? own_list : (uint8_t *)y);
     for (int row = 0; row < count; row += ROWS) {
         const int rows = rows_from(row, count);
         value sum[2][ROWS];
-        sum_parts(sum, x, even, layer, row, rows);
+        sum_parts(sum, &read, layer, row, rows);
         for (int k = 0; k < rows; k++) {
             out[row + k] = signed_output(sum[0][k] + sum[1][k], layer, row + k);
             out[count + row + k] = signed_output(sum[0][k] - sum[1][k], layer, row + k);

@@ -9,18 +9,18 @@
 #include "rows.h"
 
 /* Sums of rows, the first of them `row`, and how many. */
-static int sum_all(value sum[2][ROWS], const activation *x, const dense_layer *layer, int row)
+static int sum_all(value sum[2][ROWS], const layer_inputs *in, const dense_layer *layer, int row)
 {
     const int rows = rows_from(row, EDML_ROWS * EDML_GROUPS(layer->outputs));
-    sum_rows(sum, x, WEIGHTS_OF(layer, row), layer->bias + row, layer->inputs, 0, rows);
+    sum_rows(sum, in, WEIGHTS_OF(layer, row), layer->bias + row, rows);
     return rows;
 }
 
-static void dense_units(activation *y, const activation *x, const dense_layer *layer)
+static void dense_units(activation *y, const layer_inputs *in, const dense_layer *layer)
 {
     for (int row = 0; row < layer->outputs; row += ROWS) {
         value sum[2][ROWS];
-        const int rows = sum_all(sum, x, layer, row);
+        const int rows = sum_all(sum, in, layer, row);
         for (int k = 0; k < rows; k++)
             y[row + SLOT(k)] = (activation)activate(sum[0][k], layer, row + k, EDML_UNIT_BITS);
     }
@@ -31,17 +31,21 @@ EDML_INTERNAL void WEIGHTS(edml__fconn)(value *out, const value *in, const edml_
 {
     const dense_layer *layer = model->layers;
     activation *x = scratch, *y = OTHER_UNITS(scratch, out);
+    uint8_t own_list[OWN_LIST ? LISTED : 1];
     if (model->layer_count % 2 == 0) swap_units(&x, &y);
     for (int k = 0; k < layer->inputs; k++)
         x[SLOT(k)] = k < EDML_PAIRS ? (activation)network_input(in[k]) : 0;
     for (int n = 1; n < model->layer_count; n++, layer++) {
-        dense_units(y, x, layer);
+        const layer_inputs read = take_inputs(x, layer->inputs, layer,
+                                              OWN_LIST ? own_list : (uint8_t *)out);
+        dense_units(y, &read, layer);
         for (int k = layer->outputs; k < layer[1].inputs; k++) y[SLOT(k)] = 0; /* what is filled up */
         swap_units(&x, &y);
     }
+    const layer_inputs read = take_inputs(x, layer->inputs, layer, OWN_LIST ? own_list : (uint8_t *)y);
     for (int row = 0; row < EDML_PAIRS; row += ROWS) {
         value sum[2][ROWS];
-        const int rows = sum_all(sum, x, layer, row);
+        const int rows = sum_all(sum, &read, layer, row);
         for (int k = 0; k < rows; k++) out[row + k] = output(sum[0][k], layer, row + k);
     }
 }

@@ -1,19 +1,28 @@
-/* sum_rows(): the sums of some rows of a fully connected layer.
+/* sum_rows(sum, in, w, bias, rows): the sums of some rows of a fully connected layer.
  *
  *   sum   [0] bias and even inputs; [1] odd inputs
- *   x     [even + odd], as a layer's units are kept: unit k at SLOT(k)
+ *   in    in->even > 0, but where zeros are left out; if in->odd is 0, sum[1] means nothing
  *   w     WEIGHTS_OF(layer, row), of which `row` is the first
  *   rows  ROWS, or what is left of the layer, a multiple of EDML_ROWS
- *   even, odd  multiples of CHUNK; even > 0; if odd is 0, sum[1] means nothing
  *
  * SPDX-License-Identifier: MIT
  */
 #ifndef EDML_ROWS_H
 #define EDML_ROWS_H
 
+#include <stddef.h>
+
 #include "weights.h"
 
 #include SUM_ROWS
+
+/* x: [layer->inputs], the even ones first; list: room for LISTED. */
+static layer_inputs take_inputs(activation *x, int even, const dense_layer *layer, uint8_t *list)
+{
+    layer_inputs in = {x, even, layer->inputs - even, layer->inputs, NULL};
+    list_inputs(&in, x, list);
+    return in;
+}
 
 static void swap_units(activation **x, activation **y)
 {

@@ -5,18 +5,19 @@
 #ifndef EDML_ROWS_BY_INPUT_H
 #define EDML_ROWS_BY_INPUT_H
 
+#include "rows_all_inputs.h"
 #include "dot8.h"
 
 enum { ROWS = EDML_ROWS };
 #define WEIGHTS_OF(layer, row) ((layer)->weight + (row) * (layer)->inputs)
 
-static void sum_rows(value sum[2][ROWS], const activation *x, const weight *w, const value *bias, int even,
-                     int odd, int rows)
+static void sum_rows(value sum[2][ROWS], const layer_inputs *in, const weight *w, const value *bias,
+                     int rows)
 {
     static const value none[ROWS] = {0};
     (void)rows;
-    dot8(sum[0], x, w, bias, even);
-    if (odd > 0) dot8(sum[1], x + even, w + ROWS * even, none, odd);
+    dot8(sum[0], in->x, w, bias, in->even);
+    if (in->odd > 0) dot8(sum[1], in->x + in->even, w + ROWS * in->even, none, in->odd);
 }
 
 #endif

@@ -36,12 +36,11 @@
 #endif
 
 __attribute__((naked, noinline)) static void sum_rows(
-    value sum[2][ROWS] EDML_IN_REGISTER, const activation *x EDML_IN_REGISTER,
-    const weight *w EDML_IN_REGISTER, const value *bias EDML_IN_REGISTER,
-    int even EDML_IN_REGISTER, int odd EDML_IN_REGISTER, int rows EDML_IN_REGISTER)
+    value sum[2][ROWS] EDML_IN_REGISTER, const layer_inputs *in EDML_IN_REGISTER,
+    const weight *w EDML_IN_REGISTER, const value *bias EDML_IN_REGISTER, int rows EDML_IN_REGISTER)
 {
     __asm__("    push   {r0, r4-r11, lr}\n"
-            "    ldrd   r8, r9, [sp, #40]\n"
+            "    ldmia  r1, {r1, r8, r9}\n"
             "    ldmia  r3, {r4-r7}\n"
             "    add    r8, r1, r8, lsl #1\n"
             "    add    r9, r8, r9, lsl #1\n"

@@ -21,12 +21,11 @@
 
 /* clang-format off */
 __attribute__((naked, noinline)) static void sum_rows(
-    value sum[2][ROWS] EDML_IN_REGISTER, const activation *x EDML_IN_REGISTER,
-    const weight *w EDML_IN_REGISTER, const value *bias EDML_IN_REGISTER,
-    int even EDML_IN_REGISTER, int odd EDML_IN_REGISTER, int rows EDML_IN_REGISTER)
+    value sum[2][ROWS] EDML_IN_REGISTER, const layer_inputs *in EDML_IN_REGISTER,
+    const weight *w EDML_IN_REGISTER, const value *bias EDML_IN_REGISTER, int rows EDML_IN_REGISTER)
 {
     __asm__("    push   {r4-r10, lr}\n"
-            "    ldrd   r5, r7, [sp, #32]\n"
+            "    ldmia  r1, {r1, r5, r7}\n"
             "    add    r5, r1, r5, lsl #1\n"
             "    add    r7, r5, r7, lsl #1\n"
             "    ldrd   r4, r6, [r3]\n"

@@ -5,7 +5,7 @@
 #ifndef EDML_ROWS_OF_FOUR_H
 #define EDML_ROWS_OF_FOUR_H
 
-#include "weights.h"
+#include "rows_all_inputs.h"
 
 enum { ROWS = EDML_ROWS / 2 };
 #define WEIGHTS_OF(layer, row)                                                                             \

@@ -7,7 +7,7 @@
 
 #include <emmintrin.h>
 
-#include "weights.h"
+#include "rows_all_inputs.h"
 
 enum { ROWS = EDML_ROWS };
 #define SLOT(k) (k)
@@ -47,16 +47,16 @@ static EDML_INLINE void add_blocks(value sum[ROWS], const activation *x, const w
     _mm_storeu_si128(out + 1, _mm_add_epi32(_mm_loadu_si128(out + 1), sum_of_lanes(s + 4)));
 }
 
-static void sum_rows(value sum[2][ROWS], const activation *x, const weight *w, const value *bias, int even,
-                     int odd, int rows)
+static void sum_rows(value sum[2][ROWS], const layer_inputs *in, const weight *w, const value *bias,
+                     int rows)
 {
     (void)rows;
     for (int row = 0; row < ROWS; row++) {
         sum[0][row] = bias[row];
         sum[1][row] = 0;
     }
-    add_blocks(sum[0], x, w, even);
-    add_blocks(sum[1], x + even, w + ROWS * even, odd);
+    add_blocks(sum[0], in->x, w, in->even);
+    add_blocks(sum[1], in->x + in->even, w + ROWS * in->even, in->odd);
 }
 
 #endif

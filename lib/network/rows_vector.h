@@ -7,7 +7,7 @@
 #ifndef EDML_ROWS_VECTOR_H
 #define EDML_ROWS_VECTOR_H
 
-#include "weights.h"
+#include "rows_some_inputs.h"
 
 enum { ROWS = 4 * EDML_ROWS };
 #define SLOT(k) (k)
@@ -15,17 +15,6 @@ enum { ROWS = 4 * EDML_ROWS };
 
 enum { LANES = __BIGGEST_ALIGNMENT__ < 32 ? 4 : 8 };
 typedef float lanes __attribute__((vector_size(4 * LANES), aligned(4), may_alias));
-
-/* Those of x [inputs] that are not zero.  No branch depends on them: none is mispredicted. */
-static int list_inputs(uint8_t list[EDML_MAX_UNITS], const activation *x, int inputs)
-{
-    int count = 0;
-    for (int i = 0; i < inputs; i++) {
-        list[count] = (uint8_t)i;
-        count += x[i] != 0;
-    }
-    return count;
-}
 
 /* sum: of `groups` times EDML_ROWS rows, a constant; w: those of the first group, the next ones at `stride`. */
 static EDML_INLINE void add_listed(value *sum, const activation *x, const weight *w, const uint8_t *list,
@@ -36,7 +25,7 @@ static EDML_INLINE void add_listed(value *sum, const activation *x, const weight
 #pragma GCC unroll 8
     for (int v = 0; v < vectors; v++) s[v] = *(const lanes *)(sum + LANES * v);
     for (const uint8_t *const end = list + count; list < end; list++) {
-        const value xi = x[*list];
+        const value xi = *x++;
         const weight *const wi = w + *list * EDML_ROWS;
 #pragma GCC unroll 8
         for (int v = 0; v < vectors; v++)
@@ -46,11 +35,9 @@ static EDML_INLINE void add_listed(value *sum, const activation *x, const weight
     for (int v = 0; v < vectors; v++) *(lanes *)(sum + LANES * v) = s[v];
 }
 
-static void add_part(value sum[ROWS], const activation *x, const weight *w, int inputs, int stride,
-                     int rows)
+static void add_part(value sum[ROWS], const activation *x, const weight *w, const uint8_t *list, int count,
+                     int stride, int rows)
 {
-    uint8_t list[EDML_MAX_UNITS];
-    const int count = list_inputs(list, x, inputs);
     if (rows == 4 * EDML_ROWS)
         add_listed(sum, x, w, list, count, stride, 4);
     else if (rows == 3 * EDML_ROWS)
@@ -61,15 +48,15 @@ static void add_part(value sum[ROWS], const activation *x, const weight *w, int 
         add_listed(sum, x, w, list, count, stride, 1);
 }
 
-static void sum_rows(value sum[2][ROWS], const activation *x, const weight *w, const value *bias, int even,
-                     int odd, int rows)
+static void sum_rows(value sum[2][ROWS], const layer_inputs *in, const weight *w, const value *bias,
+                     int rows)
 {
     for (int k = 0; k < rows; k++) {
         sum[0][k] = bias[k];
         sum[1][k] = 0;
     }
-    add_part(sum[0], x, w, even, EDML_ROWS * (even + odd), rows);
-    add_part(sum[1], x + even, w + EDML_ROWS * even, odd, EDML_ROWS * (even + odd), rows);
+    add_part(sum[0], in->x, w, in->list, in->even, EDML_ROWS * in->inputs, rows);
+    add_part(sum[1], in->x + in->even, w, in->list + in->even, in->odd, EDML_ROWS * in->inputs, rows);
 }
 
 #endif

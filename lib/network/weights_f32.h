@@ -5,6 +5,8 @@
  *   weight             one of dense_layer's, which is a layer of these weights
  *   OTHER_UNITS        where the units of every second layer are
  *   CHUNK              inputs of a layer are filled up to a multiple
+ *   OWN_LIST           does a list of inputs need memory of its own?  Else it is where no unit is: where the outputs
+ *                      come, and of the last layer where its units would
  *   SUM_ROWS           the header that has sum_rows() of rows.h
  *   network_input()    a distance of the EDM, as the network reads it
  *   signed_input()     a number within +-8, as the network reads it
@@ -58,7 +60,7 @@ static inline float mean_output(float a, float b, const dense_layer *layer)
 
 #define HASH_MULTIPLIERS(hash, layer, rows) (void)0
 
-enum { CHUNK = 1 };
+enum { CHUNK = 1, OWN_LIST = 1 };
 #define OTHER_UNITS(scratch, out) (out)
 #if defined(__GNUC__) && (defined(__SSE2__) || defined(__aarch64__))
 #define SUM_ROWS "rows_vector.h"

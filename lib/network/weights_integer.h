@@ -55,11 +55,11 @@ static inline int32_t mean_output(int32_t a, int32_t b, const dense_layer *layer
     return output(a + b, layer, 0);
 }
 
-enum { CHUNK = EDML_CHUNK };
+enum { CHUNK = EDML_CHUNK, OWN_LIST = 0 };
 #define OTHER_UNITS(scratch, out) ((activation *)(scratch) + EDML_MAX_UNITS)
 #define SKIPS_ZEROS 1
 #ifndef EDML_BLOCKS_BY_ROW
-#define SUM_ROWS "rows_by_input.h"
+#define SUM_ROWS "rows_listed.h"
 #elif defined(__ARM_FEATURE_MVE) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
 #define SUM_ROWS "rows_mve.h"
 #elif defined(__ARM_FEATURE_DSP) && defined(__thumb2__) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)

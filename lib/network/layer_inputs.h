@@ -1,0 +1,18 @@
+/* What a layer reads: the argument of sum_rows() of rows.h.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef EDML_LAYER_INPUTS_H
+#define EDML_LAYER_INPUTS_H
+
+#include "weights.h"
+
+/* rows_dsp.h and rows_mve.h read the first three members. */
+typedef struct {
+    const activation *x; /* [even + odd], as a layer's units are kept: unit k at SLOT(k) */
+    int even, odd;       /* multiples of CHUNK, but where zeros are left out */
+    int inputs;          /* of the layer, left out or not */
+    const uint8_t *list; /* where the others were, if zeros are left out */
+} layer_inputs;
+
+#endif
