@@ -58,17 +58,18 @@ static uint32_t next_digit(uint32_t *left, uint32_t next, uint32_t divisor, uint
 
 int32_t edml__divide_q24(int32_t a, int32_t b)
 {
-    uint32_t divisor = b < 0 ? 0 - (uint32_t)b : (uint32_t)b;
+    const int32_t sign = a ^ b;
+    uint32_t divisor = b < 0 ? 0 - (uint32_t)b : (uint32_t)b, left = a < 0 ? 0 - (uint32_t)a : (uint32_t)a;
     const int shift = edml__leading_zeros(divisor);
     divisor <<= shift;
     /* |a| < 128 |b|: below 2^39 once shifted, and 2^63 in Q24; its upper word is below the divisor. */
-    const uint64_t n = (uint64_t)(a < 0 ? 0 - (uint32_t)a : (uint32_t)a) << (24 + shift);
-    uint32_t left = (uint32_t)(n >> 32);
+    const uint64_t n = (uint64_t)left << (24 + shift);
+    left = (uint32_t)(n >> 32);
     const uint32_t inverse = reciprocal(divisor >> 16);
-    const uint32_t high = next_digit(&left, (uint32_t)n >> 16, divisor, inverse);
-    const uint32_t low = next_digit(&left, (uint32_t)n & 0xFFFF, divisor, inverse);
-    const uint32_t quotient = (high << 16 | low) + (left >= divisor - left); /* 2 left >= divisor */
-    return (a < 0) == (b < 0) ? (int32_t)quotient : -(int32_t)quotient;
+    uint32_t whole = next_digit(&left, (uint32_t)n >> 16, divisor, inverse) << 16;
+    whole |= next_digit(&left, (uint32_t)n & 0xFFFF, divisor, inverse);
+    whole += left >= divisor - left; /* 2 left >= divisor */
+    return sign < 0 ? -(int32_t)whole : (int32_t)whole;
 }
 
 /* 2^11 / root of k + 1/2, k = 64 to 255; by tests/python/test_house.py. */

@@ -233,7 +233,7 @@ def test_a_lift_is_cheap(costs, core, model, variant, code, lift):
 
 def test_a_lift_needs_little_memory(costs):
     assert max(cost.work for cost in costs) <= 2448
-    assert max(cost.stack for cost in costs) <= 600
+    assert max(cost.stack for cost in costs) <= 608
 
 
 def test_all_of_the_flash_is_told(tmp_path):
