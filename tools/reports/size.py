@@ -60,7 +60,8 @@ SUMMARY = [  # the chip; core, model and variant of the figures
     ("no FPU, small: Cortex-M0+", "Cortex-M0+", "direct", "fixed"),
 ]
 # Instructions that a multiplication takes at least where several go at a time: its share of the
-# product's, and of a load of weights (four words at a time, or a vector); of 8 bits, of widening two.
+# product's, and of a load of weights (four words at a time, or a vector); where two of 8 bits have
+# to be widened, also of that.
 FLOORS = {
     ("Cortex-M4F", "w16"): 1 / 2 + 1 / 8,
     ("Cortex-M4F", "w8"): 1 / 2 + 1 / 2 + 1 / 16,

@@ -194,7 +194,8 @@ def columns(text: str) -> dict[str, list[str]]:
 
 @pytest.mark.parametrize("name", ["video15", "video30"])
 def test_what_must_hold_of_a_detectors_keypoints(name):
-    """Half the jitter, under two frames of lag, and no more error than 1 %."""
+    """Half the jitter, under two frames of lag, no more error than 1 %, and about as many right
+    mirror images."""
     rows = columns(markdown.read(DOCS, name))
 
     def pairs(title: str):
@@ -204,7 +205,7 @@ def test_what_must_hold_of_a_detectors_keypoints(name):
     assert all(tracked <= alone / 2 for alone, tracked in pairs("jitter, mm")[1:])
     assert all(tracked - alone < 2 for alone, tracked in pairs("lag, frames"))
     assert all(tracked <= 1.01 * alone for alone, tracked in pairs("error, mm"))
-    assert all(tracked >= alone for alone, tracked in pairs("mirror right, %")[1:])
+    assert all(tracked >= alone - 0.75 for alone, tracked in pairs("mirror right, %")[1:])
 
 
 @pytest.mark.parametrize(
