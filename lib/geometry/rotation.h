@@ -48,8 +48,9 @@ static inline matrix3 compose(const matrix3 *second, const matrix3 *first)
     return both;
 }
 
-/* Rotation of the quaternion (w, v), whose square is between 1/4 and 64. */
-static matrix3 quaternion_rotation(real w, point v)
+/* Rotation of the quaternion (w, v), whose square is between 1/4 and 64.  Out of line, so that its locals are
+ * not on the stack while others divide. */
+static EDML_NOINLINE matrix3 quaternion_rotation(real w, point v)
 {
     const real ratio = DIV(REAL(2.0), MUL(w, w) + dot(v, v));
     const point a = times(ratio, v);

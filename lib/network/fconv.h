@@ -149,8 +149,8 @@ EDML_INTERNAL void WEIGHTS(edml__fconv)(value *out, const value *in, const edml_
     activation *const behind_image = maps->narrow + SIDE * SIDE;
     const convolution down1 = {layer, maps->narrow, 14, 0, behind_image};
     const convolution down2 = {layer + 1, maps->wide, 7, 0, NULL};
-    const convolution up1 = {layer + 2, maps->narrow, 4, 1, NULL},
-                      up2 = {layer + 3, maps->wide, 7, 1, NULL};
+    const convolution up1 = {layer + 2, maps->narrow, 4, 1, NULL};
+    const convolution up2 = {layer + 3, maps->wide, 7, 1, NULL};
     fill_image(maps->narrow, in);
     fill_map(maps->wide, 7, &down1, maps->sum);
     fill_map(maps->narrow, 4, &down2, maps->sum);

@@ -1,5 +1,5 @@
-/* rows_by_row.h, four rows, in the words of a Cortex-M with the DSP extension, which multiplies two pairs of 16 bits at a
- * time.  Weights of 8 bits are widened two at a time: the first and the third of a word, then the second and
+/* rows_by_row.h, four rows, in the words of a Cortex-M with the DSP extension, which multiplies two pairs of 16
+ * bits at a time.  Weights of 8 bits are widened two at a time: the first and the third of a word, then the second and
  * the fourth, and in that order the units are kept.
  *
  *   r0, r3, r12, lr  weights     r4 to r7   the sums

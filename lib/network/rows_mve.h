@@ -1,5 +1,5 @@
-/* rows_by_row.h, four rows, in the words of a Cortex-M with Helium (MVE): eight products at a time, weights of 8 bits
- * widened by the load.
+/* rows_by_row.h, four rows, in the words of a Cortex-M with Helium (MVE): eight products at a time, weights of
+ * 8 bits widened by the load.
  *
  *   r1 x, r2 w, r3 bias, then how many inputs      r4, r6, r8, r10  the sums
  *   r5 end of the part, r7 of all                  q0 x, q1 and q2 weights

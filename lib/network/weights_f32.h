@@ -5,8 +5,8 @@
  *   weight             one of dense_layer's, which is a layer of these weights
  *   OTHER_UNITS        where the units of every second layer are
  *   CHUNK              inputs of a layer are filled up to a multiple
- *   OWN_LIST           does a list of inputs need memory of its own?  Else it is where no unit is: where the outputs
- *                      come, and of the last layer where its units would
+ *   OWN_LIST           does a list of inputs need memory of its own?  Else it is where no unit is: where the
+ *                      network's outputs come, and for the last layer where units of another would be
  *   SUM_ROWS           the header that has sum_rows() of rows.h
  *   network_input()    a distance of the EDM, as the network reads it
  *   signed_input()     a number within +-8, as the network reads it

@@ -4,6 +4,19 @@
  */
 #include "fixed.h"
 
+#ifndef EDML_COUNT_ZEROS
+int edml__leading_zeros(uint32_t n)
+{
+    int zeros = 0;
+    for (int step = 16; step > 0; step /= 2) {
+        if (n >> (32 - step) != 0) continue;
+        n <<= step;
+        zeros += step;
+    }
+    return zeros;
+}
+#endif
+
 #ifdef EDML_DIVIDES
 #define reciprocal(divisor) 0
 #define quotient(n, divisor, inverse) ((void)(inverse), (n) / (divisor))
@@ -47,7 +60,7 @@ static uint32_t next_digit(uint32_t *left, uint32_t next, uint32_t divisor, uint
     uint32_t digit = quotient(*left, high, inverse); /* too large by two at most */
     const uint32_t taken = digit * low;
     uint32_t rest = (*left - digit * high) << 16 | next;
-    for (int n = 0; n < 2 && rest < taken; n++) {
+    while (rest < taken) {
         digit--;
         rest += divisor;
         if (rest < divisor) break; /* beyond 2^32, above `taken` */

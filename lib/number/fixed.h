@@ -56,19 +56,10 @@ static EDML_INLINE int32_t edml__saturate(int32_t x, int bits)
 }
 
 /* Zeros before the highest bit of n > 0. */
-static inline int edml__leading_zeros(uint32_t n)
-{
 #ifdef EDML_COUNT_ZEROS
-    return EDML_COUNT_ZEROS(n);
+static inline int edml__leading_zeros(uint32_t n) { return EDML_COUNT_ZEROS(n); }
 #else
-    int zeros = 0;
-    for (int step = 16; step > 0; step /= 2) {
-        if (n >> (32 - step) != 0) continue;
-        n <<= step;
-        zeros += step;
-    }
-    return zeros;
+EDML_INTERNAL int edml__leading_zeros(uint32_t n);
 #endif
-}
 
 #endif

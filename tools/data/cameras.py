@@ -25,6 +25,7 @@ DETECTOR_SCALES = (0.7, 2.1)  # good and bad detections ...
 DETECTOR_BAD = 0.1  # ... and the share of bad ones
 
 STRAIGHT = np.radians(15)  # limbs that are made straight are bent by less than this
+NO_PLANE = 1e-6  # metres: a limb whose end is nearer to its first bone's line is bent in no plane
 
 ADAPTED_HEAD = (0.012, 0.012, 0.040)  # metres an axis: both ears or the crown; ears; an ear, a face
 
@@ -43,8 +44,6 @@ class Rig:
 PROTOCOL = Rig()
 ROLLED = Rig(roll_sigma=0.0, roll_range=30.0)
 CLOSE = Rig(distance=(1.5, 3.0))
-
-NO_PLANE = 1e-6  # metres: limbs whose end is nearer to their first bone's line are bent in no plane
 
 
 def look(joints: np.ndarray, rng: np.random.Generator, rig: Rig = PROTOCOL) -> np.ndarray:
@@ -88,9 +87,7 @@ def look_from(
     return _to_camera(joints, camera, camera_axes(camera, aim, roll))
 
 
-def camera_axes(
-    camera: np.ndarray, aim: np.ndarray, roll: float | np.ndarray = 0.0
-) -> np.ndarray:
+def camera_axes(camera: np.ndarray, aim: np.ndarray, roll: float | np.ndarray = 0.0) -> np.ndarray:
     """Rows [...,3,3]: right, down and forward in the world, of cameras as look_from() has them."""
     forward = _unit(aim - camera)
     right = _unit(np.cross(forward, [0.0, 1.0, 0.0]))
@@ -242,9 +239,7 @@ def mix_limbs(
     return out
 
 
-def straighten_limbs(
-    joints: np.ndarray, share: float, rng: np.random.Generator
-) -> np.ndarray:
+def straighten_limbs(joints: np.ndarray, share: float, rng: np.random.Generator) -> np.ndarray:
     """Poses of which a share of the arms and legs is straight: bent by 0 to STRAIGHT.
 
     What is behind elbow or knee turns about it, in the plane in which the limb is bent.  A limb

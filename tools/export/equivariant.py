@@ -17,6 +17,7 @@ from model.constants import GROUP, INPUT_SHIFT
 from model.layout import KINDS, ROWS, Layout, layout
 
 SPARE = 1  # bits of an activation that are left to sums of two
+HEADROOM = 1.5  # at 1.25 one made-up person of 200 is clamped, and 9 mm off
 LARGEST_INPUT = 1 << 27 - INPUT_SHIFT  # +-8
 
 # ---- Layers ------------------------------------------------------------------------------------
@@ -141,6 +142,7 @@ def plan_of(known: Layout) -> Plan:
         largest=largest,
         mean=functools.partial(mean, known.even),
         ranges=functools.partial(ranges, known.even),
+        headroom=HEADROOM,
         spare=SPARE,
         signed=True,
         measured=in_metres(known),

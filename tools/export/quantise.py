@@ -20,7 +20,6 @@ WEIGHT_TYPES = {"w16": np.int16, "w8": np.int8}
 WORD = 1 << 31
 METRE = 1 << 24  # of what the network gives, Q24
 FARTHEST = 3 * METRE >> OUTPUT_SHIFT  # what the stages behind the network are made for
-HEADROOM = 1.25  # of the activations over the largest one in calibration
 VANISHING = 1e-6  # weights below it need not tell the scale of their row
 BISECTIONS = 50
 
@@ -72,6 +71,7 @@ class Plan(NamedTuple):
     mean: Callable[[int, np.ndarray], np.ndarray] = mean_of_channels
     # Least and largest value of each input [in] of layer k, integers.
     ranges: Callable[[int, Any], tuple[np.ndarray, np.ndarray]] = from_zero
+    headroom: float = 1.25  # of the activations over the largest one in calibration
     spare: int = 0  # bits of an activation that are left to sums of them
     sums: int = 1  # of the last layer; an output is their mean
     signed: bool = False  # the last layer has no ReLU
@@ -127,7 +127,7 @@ def rows_of(layers: Sequence[Layer], calibration: Mapping[str, Any], plan: Plan)
     inputs = [(plan.tap_shares(k)[:, None] * values).reshape(-1) for k, values in enumerate(mean)]
     if [len(values) for values in inputs] != [len(layer.weight) for layer in layers]:
         raise ExportError("calibration: a mean is not of the inputs")
-    hidden = [plan.activation / (HEADROOM * x) for x in largest]
+    hidden = [plan.activation / (plan.headroom * x) for x in largest]
     scales = [METRE >> INPUT_SHIFT, *hidden, (METRE >> OUTPUT_SHIFT) / plan.sums]
     rows = []
     for k, (weight, bias) in enumerate(equalised(layers)):

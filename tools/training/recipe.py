@@ -52,9 +52,17 @@ class Recipe:
 
 
 # Through the distances to the MDS and nothing else: the paper's networks, better trained.
-_MDS = {"direction_weight": 0.0, "flexion_weight": 0.0, "straight_weight": 0.0}
-_MDS |= {"rigid": 0.7, "redefined": 0.0, "straightened": 0.0}
-_MDS |= {"batch": 64, "rate": 1e-3, "adam": True}
+_MDS = {
+    "batch": 64,
+    "adam": True,
+    "rate": 1e-3,
+    "rigid": 0.7,
+    "direction_weight": 0.0,
+    "flexion_weight": 0.0,
+    "straight_weight": 0.0,
+    "straightened": 0.0,
+    "redefined": 0.0,
+}
 
 RECIPES = {
     "distances": Recipe(),
