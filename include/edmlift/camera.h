@@ -42,7 +42,7 @@ typedef struct {
  *         thousandth of the sum of all
  *   work  as for edml_lift(), and may be the same: an edml_work or larger
  * The distance is wrong by the factor by which the person's size is, because one image shows no more.  Takes
- * up to 1.7 KB of stack.  About 1 flat pose in 7,000 is given the wrong one of two rotations.
+ * up to 1.7 KB of stack.  About 1 flat pose in 10,000 is given the wrong one of two rotations.
  * Besides EDML_ERR_ARGUMENT and EDML_ERR_WORK_TOO_SMALL:
  *   EDML_ERR_NOT_FINITE      a keypoint is not finite, or a joint is not within 4 m
  *   EDML_ERR_TOO_FEW_JOINTS  fewer than 7 joints seen

@@ -48,6 +48,18 @@ static inline matrix3 compose(const matrix3 *second, const matrix3 *first)
     return both;
 }
 
+/* One rotation after another.  Rounding adds up where rotations are composed again and again, and a product of
+ * a product doubles it; a Newton step towards the nearest rotation (Higham, "Computing the polar decomposition",
+ * 1986) takes it out: what R R' is off by, e, becomes 3/4 e^2. */
+static inline matrix3 compose_rotations(const matrix3 *second, const matrix3 *first)
+{
+    const matrix3 r = compose(second, first), back = transpose(&r), square = compose(&r, &back);
+    const matrix3 newton = {{REAL(1.5) - square.x.x / 2, -square.x.y / 2, -square.x.z / 2},
+                            {-square.y.x / 2, REAL(1.5) - square.y.y / 2, -square.y.z / 2},
+                            {-square.z.x / 2, -square.z.y / 2, REAL(1.5) - square.z.z / 2}};
+    return compose(&newton, &r);
+}
+
 /* Rotation of the quaternion (w, v), whose square is between 1/4 and 64.  Out of line, so that its locals are
  * not on the stack while others divide. */
 static EDML_NOINLINE matrix3 quaternion_rotation(real w, point v)

@@ -24,16 +24,25 @@
 
 #include <math.h>
 
-/* A product and a sum round separately, on every processor: fused, they would give other bits. */
+/* A product and a sum round separately, on every processor: fused, reordered or divided by way of a reciprocal
+ * they would give other bits.  clang names no such option to the sources, but obeys them. */
 #if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wignored-pragmas" /* the next is known on some processors alone */
+#pragma float_control(precise, on)
+#pragma clang diagnostic pop
+#pragma clang fp contract(off) reassociate(off)
 #elif defined(__GNUC__)
 #pragma GCC optimize("fp-contract=off")
 #endif
 
-/* The compiler may then assume that there is no NaN, and lift one to a pose. */
-#if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
-#error "edmlift refuses NaN and infinity: compile it without -ffast-math and -ffinite-math-only"
+/* GCC tells of these from version 12 on.  Without NaN and infinity it could even lift one to a pose. */
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || (__FINITE_MATH_ONLY__ + 0)
+#error "edmlift computes as IEEE 754 says: compile it without -ffast-math, -funsafe-math-optimizations, -fassociative-math, -freciprocal-math and -ffinite-math-only (-fno-fast-math undoes them)"
+#endif
+
+#if defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0 && __FLT_EVAL_METHOD__ != 16
+#error "edmlift computes in float, not in a wider format: on x86 compile it with -msse2 -mfpmath=sse, elsewhere with -std=gnu99"
 #endif
 
 typedef float real;

@@ -16,7 +16,8 @@
 typedef int32_t real;
 typedef int64_t wide;
 
-#define REAL(constant) ((real)((constant) * 16777216.0 + 0.5)) /* folded by the compiler */
+/* Folded by the compiler; a long constant stays what it is under -fsingle-precision-constant. */
+#define REAL(constant) ((real)(constant##L * 16777216.0L + 0.5L))
 #define Q12(a) ((real)(a) * 4096)
 #define EPSILON 8
 #define MUL(a, b) edml__multiply_q24(a, b) /* to the nearest; |a b| < 128 */

@@ -15,7 +15,7 @@ extern "C" {
 typedef checked<int32_t> real;
 typedef checked<int64_t> wide;
 
-#define REAL(constant) real::from((__int128)((constant) * 16777216.0 + 0.5))
+#define REAL(constant) real::from((__int128)(constant##L * 16777216.0L + 0.5L))
 #define Q12(a) (real(a) * 4096)
 #define EPSILON 8
 #define MUL(a, b) checked_mul(a, b)

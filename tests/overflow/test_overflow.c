@@ -362,6 +362,38 @@ static void placements_of_noise(void)
     }
 }
 
+/* Points nearly on a line, or nearly in a plane: where the equations of a placement hardly have a solution.
+ * The image is that of the points, of a person, or of some other line. */
+static void placements_of_points_nearly_on_a_line(void)
+{
+    rng r = rng_seed(94);
+    int placed = 0;
+    for (int n = 0; n < 20000; n++) {
+        edml_pose pose;
+        edml_point image[EDML_JOINTS];
+        const float along = magnitude(&r, 0.05F, 3.9F), aside = n % 2 ? 0 : magnitude(&r, 1e-4F, 1);
+        const float across = magnitude(&r, 1e-5F, 0.3F), depth = magnitude(&r, 1, 60);
+        const edml_camera by = {magnitude(&r, 100, 4000), magnitude(&r, 100, 4000), 320, 240};
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            pose.joint[j].x = along * uniform(&r, -0.5F, 0.5F);
+            pose.joint[j].y = aside * uniform(&r, -0.5F, 0.5F);
+            pose.joint[j].z = across * uniform(&r, -0.5F, 0.5F);
+        }
+        rotate_points(pose.joint, random_rotation(&r), pose.joint);
+        if (n % 3 == 0) random_human(&r, image);
+        rotate_points(image, random_rotation(&r), n % 3 == 0 ? image : pose.joint);
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            const float z = image[j].z + depth > 0.3F ? image[j].z + depth : 0.3F;
+            if (n % 3 == 2) image[j].y = 0.3F * image[j].x + across * gauss(&r);
+            in[j].x = (int32_t)(65536 * (by.cx + by.fx * image[j].x / z));
+            in[j].y = (int32_t)(65536 * (by.cy + by.fy * image[j].y / z));
+            in[j].c = (int16_t)(n % 5 ? 32767 : rng_bits(&r) % 32768);
+        }
+        placed += place_both(&pose, &by);
+    }
+    TEST_ASSERT_TRUE(placed > 2000);
+}
+
 static void placements_with_unknown_focal_length(void)
 {
     rng r = rng_seed(90);
@@ -508,6 +540,7 @@ int main(void)
     RUN_TEST(networks_without_imputation);
     RUN_TEST(placements);
     RUN_TEST(placements_of_noise);
+    RUN_TEST(placements_of_points_nearly_on_a_line);
     RUN_TEST(placements_with_unknown_focal_length);
     RUN_TEST(lifts_with_a_camera);
     RUN_TEST(poses_of_any_size);

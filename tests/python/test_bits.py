@@ -1,6 +1,7 @@
 """The same bits everywhere: compilers, levels of optimisation, processors."""
 
 import re
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -55,6 +56,33 @@ def test_no_flag_is_needed_for_these_bits(command: str, tmp_path: Path) -> None:
     flags = ["-std=gnu11", "-O2", "-march=native", *options, *INCLUDES]
     run(compiler, *flags, PROGRAM, *SMALL_SOURCES, "-lm", "-o", tmp_path / "bits")
     assert run(tmp_path / "bits") == EXPECTED
+
+
+ANOTHER_ARITHMETIC = [  # of floats than IEEE 754's
+    "-ffast-math",
+    "-ffast-math -fno-finite-math-only",
+    "-funsafe-math-optimizations",
+    "-freciprocal-math",
+    "-fassociative-math -fno-signed-zeros -fno-trapping-math",
+    "-fsingle-precision-constant",
+    "-mfpmath=387",
+]
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("options", ANOTHER_ARITHMETIC)
+def test_options_that_change_floats_are_refused_or_change_nothing(
+    compiler: str, options: str, tmp_path: Path
+) -> None:
+    need(compiler)
+    program = tmp_path / "bits"
+    flags = ["-std=gnu99", "-O2", "-w", *options.split(), *INCLUDES]
+    command = [compiler, *flags, PROGRAM, *SMALL_SOURCES, "-lm", "-o", program]
+    built = subprocess.run(command, capture_output=True, text=True)
+    if built.returncode == 0:
+        assert run(program) == EXPECTED
+    else:
+        assert "edmlift computes" in built.stderr or "'387' unit is not supported" in built.stderr
 
 
 FUSED = re.compile(r"\b(vfn?m[as]|fn?m(add|sub))[.\w]*\b")

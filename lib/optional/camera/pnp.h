@@ -143,7 +143,7 @@ static int gauss_newton_step(estimate *next, real *angle, const scene *v, const 
     if (*angle > REAL(1.0)) return 0;
     const point half = {camera.x / 2, camera.y / 2, camera.z / 2};
     const matrix3 rotation = quaternion_rotation(REAL(1.0), half);
-    next->rotation = compose(&rotation, &s->rotation);
+    next->rotation = compose_rotations(&rotation, &s->rotation);
     next->translation = plus(s->translation, translation);
     return 1;
 }
@@ -170,13 +170,13 @@ static int orthogonal_iteration_step(estimate *next, const scene *v, const estim
 static void extrapolate(estimate *next, const scene *v, const estimate *s)
 {
     const matrix3 back = transpose(&s->rotation);
-    matrix3 step = compose(&next->rotation, &back);
+    matrix3 step = compose_rotations(&next->rotation, &back);
     for (int n = 0; n < MAX_EXTRAPOLATIONS; n++) {
         estimate far;
-        far.rotation = compose(&step, &next->rotation);
+        far.rotation = compose_rotations(&step, &next->rotation);
         if (!best_translation(&far, v) || !(far.error < next->error)) return;
         *next = far;
-        step = compose(&step, &step);
+        step = compose_rotations(&step, &step);
     }
 }
 
@@ -249,18 +249,21 @@ static int reversed_start(estimate *reversed, const scene *v, const estimate *s)
 
 /* ---- The result --------------------------------------------------------------------------------- */
 
-/* Root of the weighted mean of the squared distances in the image, pixels. */
+/* Root of the weighted mean of the squared distances in the image, pixels.  They are added in units of the
+ * larger focal length, so that squares fit whatever a pixel is. */
 static pixels reprojection_of(const scene *v, const estimate *s, const edml_camera *camera)
 {
-    pixels root = 0;
+    const pixels f = camera->fx > camera->fy ? camera->fx : camera->fy;
+    const real wide_x = DIV(camera->fx, f), wide_y = DIV(camera->fy, f); /* <= 1 */
+    real root = 0;
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!(v->ray[j].z > 0)) continue;
         const point p = in_camera(v, joint_at(v, s, j));
-        const pixels x = MUL(camera->fx, DIV(p.x, p.z) - v->ray[j].x);
-        const pixels y = MUL(camera->fy, DIV(p.y, p.z) - v->ray[j].y);
+        const real x = MUL(wide_x, DIV(p.x, p.z) - v->ray[j].x);
+        const real y = MUL(wide_y, DIV(p.y, p.z) - v->ray[j].y);
         root = HYPOT(root, MUL(v->ray[j].z, HYPOT(x, y)));
     }
-    return root;
+    return MUL(f, root);
 }
 
 static edml_status write_placement(edml_placement *out, const scene *v, const estimate *s,
@@ -270,7 +273,7 @@ static edml_status write_placement(edml_placement *out, const scene *v, const es
     if (far / 128 >= MUL(MAX_DISTANCE / 128, v->spread)) return EDML_ERR_CAMERA;
     const point translation = {MUL(s->translation.x, v->size), MUL(s->translation.y, v->size),
                                DIV(far, v->spread)};
-    const matrix3 back = transpose(&v->view_rotation), rotation = compose(&back, &s->rotation);
+    const matrix3 back = transpose(&v->view_rotation), rotation = compose_rotations(&back, &s->rotation);
     const point origin = minus(rotate_back(&v->view_rotation, translation), rotate(&rotation, v->mean));
     for (int j = 0; j < EDML_JOINTS; j++)
         if (dot(rotation.z, pose_joint(pose, j)) + origin.z <= 0) return EDML_ERR_CAMERA;
