@@ -179,8 +179,8 @@ def _add_view(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     parser = commands.add_parser(
         "view",
         help="write a page to look at poses in a browser",
-        description="Writes one HTML file that shows 2D poses beside the 3D ones lifted from\nthem: "
-        "a figure to turn, a time line, angles over time.  It needs no network.",
+        description="Writes one HTML file that shows 2D poses beside the 3D ones lifted from\n"
+        "them: a figure to turn, a time line, angles over time.  It needs no network.",
         epilog=_DOCUMENTATION,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -296,7 +296,7 @@ def _view(options: argparse.Namespace) -> int:
     with _options():
         view(
             poses, options.out, truth=truth, title=options.title, pictures=options.pictures,
-            fps=options.fps, up=up, picture_side=options.picture_side,
+            fps=options.fps, image=options.image, up=up, picture_side=options.picture_side,
             quality=None if options.lifted else quality(poses),
         )  # fmt: skip
     size = Path(options.out).stat().st_size

@@ -39,7 +39,7 @@ def find_browser() -> str | None:
 
 
 class Page:
-    """One page; errors of its console, and addresses that it fetched, are kept."""
+    """One page; errors of its console, and addresses outside it that it fetched, are kept."""
 
     def __init__(self, program: str, width: int = 1280, height: int = 800, timeout: float = 60.0):
         self.errors: list[str] = []
@@ -176,7 +176,8 @@ class Page:
     def screenshot(self, path: Path) -> None:
         """What the window shows, as PNG."""
         self.settle()
-        path.write_bytes(base64.b64decode(self.send("Page.captureScreenshot", format="png")["data"]))
+        picture = self.send("Page.captureScreenshot", format="png")
+        path.write_bytes(base64.b64decode(picture["data"]))
 
     # ---- The protocol --------------------------------------------------------------------------
 
@@ -231,7 +232,9 @@ class Page:
         elif method == "Log.entryAdded" and given["entry"]["level"] in ("error", "warning"):
             self.errors.append(given["entry"]["text"])
         elif method == "Network.requestWillBeSent":
-            self.requests.append(given["request"]["url"])
+            url: str = given["request"]["url"]
+            if not url.startswith("data:"):
+                self.requests.append(url)
 
 
 @contextmanager

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from edmlift.angles import LEVEL
+from edmlift.keypoints import image_size
 from edmlift.lifting import Poses, batched
 from edmlift.viewing.pages import page_of
 from edmlift.viewing.photographs import PICTURE_SIDE, jpegs
@@ -26,6 +27,7 @@ def view(
     title: str | None = None,
     pictures: Sequence[Any] | None = None,
     fps: float = 30.0,
+    image: tuple[float, float] | None = None,
     up: ArrayLike = LEVEL,
     quality: ArrayLike | None = None,
     picture_side: int = PICTURE_SIDE,
@@ -40,13 +42,14 @@ def view(
     pictures      what the keypoints were seen in: one for all frames, or F; paths, or arrays
                   [h,w,3].  They need the extra: pip install 'edmlift[draw]'
     fps           frames a second, over 0 and at most 1000
+    image         (width, height) in pixels; default: the pictures', or what the joints take
     up            where upwards is in the camera's axes, of any length, [3] or one a pose [F,3]: the
                   floor is level then; the default is a level camera
     quality       [F] as `edmlift.quality` returns it, drawn over time
     picture_side  pixels, 64 or more: pictures are reduced until their longer side is this
 
-    The page has 184 bytes a pose, and 320 with truth: an hour at 30 frames a second is 20 and
-    35 MB.  ValueError: there is no pose, arguments are wrong, or the pictures take over 64 MB.
+    The page has 230 bytes a pose, and 360 with truth: an hour at 30 frames a second is 25 or 39 MB,
+    besides pictures.  ValueError: there is no pose, arguments are wrong, or the pictures take over 64 MB.
     """
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
@@ -57,8 +60,11 @@ def view(
         raise ValueError("view() needs poses, and there is none")
     if not (np.isfinite(fps) and 0 < fps <= 1000):
         raise ValueError(f"fps must be over 0 and at most 1000, not {fps}")
-    recording = recording_of(given, _truth(truth, count), _quality(quality, count), fps, up)
     photographs = jpegs(pictures, count, picture_side)
+    if image is None and photographs:
+        image = (photographs[0]["width"], photographs[0]["height"])
+    size = None if image is None else image_size(image)
+    recording = recording_of(given, _truth(truth, count), _quality(quality, count), fps, up, size)
     text = page_of(path.stem if title is None else title, recording, photographs)
     path.write_text(text, encoding="utf-8", newline="\n")
 

@@ -23,15 +23,21 @@ Array = NDArray[np.float64]
 
 MISSING = -32768  # an integer of 16 bits that stands for NaN
 _LARGEST = 32767
-_MARGIN = 0.08  # of the 2D joints' box, on each side
+_MARGIN = 0.1  # of the 2D joints' box, on each side
 _OUTLIERS = 1.0  # per cent of frames at each end that the box leaves out
 _ROOM = 4.0  # of the box's size: what is farther outside is drawn at this distance
 
 
 def recording_of(
-    poses: Poses, truth: Array | None, quality: Array | None, fps: float, up: ArrayLike
+    poses: Poses,
+    truth: Array | None,
+    quality: Array | None,
+    fps: float,
+    up: ArrayLike,
+    image: tuple[float, float] | None,
 ) -> dict[str, Any]:
-    """The page's data: F poses, truth [F,14,3] in metres, quality [F], frames a second."""
+    """The page's data: F poses, truth [F,14,3] in metres, quality [F], frames a second, up, and the
+    image's size in pixels."""
     upwards = read_up(up, len(poses.joints))
     assert upwards is not None  # up was given
     upright = np.asarray(upwards, float)
@@ -50,7 +56,7 @@ def recording_of(
         "seen": _packed(poses.seen @ (1 << np.arange(len(JOINTS))), "<u2"),
         "poses": _packed_lengths(joints @ axes),
         "truth": None if truth is None else _packed_lengths(truth @ axes),
-        "image": _image(poses),
+        "image": _image(poses, image),
         "curves": _curves(joints, truth, quality, upright),
     }
 
@@ -69,16 +75,17 @@ def _level_axes(up: Array) -> Array:
 # ---- The image ---------------------------------------------------------------------------------
 
 
-def _image(poses: Poses) -> dict[str, Any] | None:
-    """The 2D joints, and the box of the image that holds them; None where there are none."""
+def _image(poses: Poses, size: tuple[float, float] | None) -> dict[str, Any] | None:
+    """The 2D joints, and the box of the image that is shown, all of it if its size is known; None
+    where there are no joints."""
     points = poses.keypoints[..., :2].astype(float)
     shown = poses.seen & np.isfinite(points).all(-1)
     if not shown.any():
         return None
     points = np.where(shown[..., None], points, np.nan)
-    low, high = _box(points[shown.any(1)])
-    middle, size = (low + high) / 2, max(float((high - low).max()), 1e-6)
-    step = _ROOM * size / _LARGEST
+    low, high = _box(points[shown.any(1)]) if size is None else (np.zeros(2), np.array(size))
+    middle, extent = (low + high) / 2, max(float((high - low).max()), 1e-6)
+    step = _ROOM * extent / _LARGEST
     confidence = np.nan_to_num(np.clip(poses.keypoints[..., 2].astype(float), 0, 1))
     return {
         "box": [*_rounded(low), *_rounded(high)],

@@ -43,7 +43,9 @@ class CurveRow {
     canvas.setAttribute("role", "img");
     canvas.setAttribute("aria-label", `${row.name} over time: ${row.about}`);
     this.cursor = make("div", "cursor");
-    this.plot.append(canvas, this.cursor);
+    const [top, bottom] = [row.high, row.low].map((value) => amountText(row, value, 0));
+    this.plot.append(canvas, make("span", "scale top", top), make("span", "scale bottom", bottom),
+      this.cursor);
     this.values = make("div", "row-values");
     this.element.append(name, this.plot, this.values);
     this.solid = row.lines.filter((line) => !line.dashed);
@@ -71,35 +73,20 @@ class CurveRow {
     return this.surface.height - 5 - ((value - low) / (high - low)) * (this.surface.height - 10);
   }
 
-  draw() {
+  draw(withTruth) {
     const { surface, row } = this;
     const context = surface.clear();
     context.lineWidth = 1;
-    context.strokeStyle = css(colours.line);
-    for (const value of [row.low, row.high]) {
-      const y = Math.round(this.y(value)) + 0.5;
-      context.beginPath();
-      context.moveTo(EDGE, y);
-      context.lineTo(surface.width - EDGE, y);
-      context.stroke();
-    }
+    context.fillStyle = css(colours.panel);
+    context.fillRect(EDGE, 3, surface.width - 2 * EDGE, surface.height - 6);
     for (const line of row.lines) {
-      context.strokeStyle = css(line.dashed ? mix(colours[line.side], colours.page, 0.35) : colours[line.side]);
+      if (line.dashed && !withTruth) continue;
+      context.strokeStyle = css(colours[line.side]);
       context.lineWidth = line.dashed ? 1.2 : 1.6;
       context.setLineDash(line.dashed ? [4, 3] : []);
       context.stroke(this.path(line));
     }
     context.setLineDash([]);
-    context.font = "10px system-ui, sans-serif";
-    context.textBaseline = "top";
-    for (const [value, below] of [[row.high, 2], [row.low, -12]]) {
-      const text = `${value}${row.unit === "°" ? "°" : ""}`;
-      context.lineWidth = 3;
-      context.strokeStyle = css(colours.page, 0.8);
-      context.strokeText(text, EDGE + 3, this.y(value) + below);
-      context.fillStyle = css(colours.faint);
-      context.fillText(text, EDGE + 3, this.y(value) + below);
-    }
   }
 
   /** A line through the values; where there are many a pixel, from the least to the greatest. */
@@ -114,7 +101,7 @@ class CurveRow {
       let [low, high, last] = [Infinity, -Infinity, null];
       for (let i = start; i < start + group && i <= to; i++) {
         if (line.values[i] === MISSING) continue;
-        last = line.values[i] * line.step;
+        last = line.values[i] * row.step;
         low = Math.min(low, last);
         high = Math.max(high, last);
       }
@@ -140,11 +127,10 @@ class CurveRow {
     this.solid.forEach((line, i) => {
       const count = line.values[frame];
       const known = count !== MISSING;
-      const value = count * line.step;
+      const value = count * this.row.step;
       this.dots[i].hidden = !known;
       if (known) this.dots[i].style.transform = `translate(${x}px, ${this.y(value)}px)`;
-      const unit = this.row.unit === "mm" ? " mm" : this.row.unit;
-      this.amounts[i].textContent = known ? `${value.toFixed(this.row.digits)}${unit}` : "–";
+      this.amounts[i].textContent = known ? amountText(this.row, value, this.row.digits) : "–";
     });
   }
 }
@@ -190,6 +176,11 @@ class Strip {
       context.fillRect(left, surface.height - 6, Math.max(3, axis.x(shown.last, width) - left), 3);
     }
   }
+}
+
+/** A value of a row with its unit. */
+function amountText(row, value, count) {
+  return digits(value, count) + (row.unit === "mm" ? " mm" : row.unit);
 }
 
 /** A new element, with its class and text. */

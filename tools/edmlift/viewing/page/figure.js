@@ -18,9 +18,11 @@ const SWING = 320; // milliseconds that a change of view takes
 
 // Metres: radius of the limbs at the joints, and at the middle of the hips.
 const RADIUS = [
-  0.045, 0.04, 0.05, 0.04, 0.028, 0.05, 0.04, 0.028, 0.06, 0.046, 0.032, 0.06, 0.046, 0.032, 0.06,
+  0.04, 0.038, 0.05, 0.04, 0.028, 0.05, 0.04, 0.028, 0.058, 0.046, 0.032, 0.058, 0.046, 0.032, 0.042,
 ];
+const TRUNK_RADIUS = 0.04; // of the collar bones and the pelvis, at most
 const HEAD_RADIUS = 0.105;
+const NECK_SHARE = 0.6; // of the way to the head that the neck is drawn
 
 class FigureView {
   constructor(canvas, recording, changed) {
@@ -53,7 +55,7 @@ class FigureView {
     const most = (values, otherwise) =>
       values.sort((a, b) => a - b)[Math.floor(0.98 * (values.length - 1))] ?? otherwise;
     this.height = Math.max(0.6, most(heights, 1.6) + HEAD_RADIUS);
-    this.radius = Math.max(0.45, most(radii, 0.5));
+    this.radius = Math.max(0.45, most(radii, 0.5)) + HEAD_RADIUS;
   }
 
   /** Takes a frame, and where its floor is. */
@@ -70,11 +72,11 @@ class FigureView {
     const { width, height } = this.surface;
     const azimuth = (this.view.azimuth * Math.PI) / 180;
     const elevation = (this.view.elevation * Math.PI) / 180;
-    const tall = this.height * Math.cos(elevation) + 2 * this.radius * Math.abs(Math.sin(elevation));
-    const fit = Math.min(width / (2.5 * this.radius), (height - 40) / (1.22 * tall));
+    const tall = this.height * Math.cos(elevation) + 2 * this.radius * Math.sin(elevation) ** 2;
+    const fit = Math.min(width / (2.2 * this.radius), (height - 24) / (1.22 * tall));
     this.look = {
       ca: Math.cos(azimuth), sa: Math.sin(azimuth), ce: Math.cos(elevation), se: Math.sin(elevation),
-      scale: fit * this.view.zoom, x: width / 2, y: height / 2 + 8,
+      scale: fit * this.view.zoom, x: width / 2, y: height / 2,
     };
   }
 
@@ -111,7 +113,7 @@ class FigureView {
     if (this.hasTruth) this.drawTruth(context);
     const joints = this.points.slice(0, JOINT_COUNT);
     if (names)
-      nameJoints(context, this.recording.joints, joints, this.surface.width, colours.panel);
+      nameJoints(context, this.recording.names, joints, this.surface.width, colours.panel);
     const point = this.points[hovered];
     if (point) drawRing(context, point[0], point[1], 11);
   }
@@ -149,7 +151,7 @@ class FigureView {
 
   /** An arrow on the floor, from the side of the camera towards the person. */
   drawCamera(context) {
-    const start = this.radius + 0.34;
+    const start = this.radius + 0.05;
     const corners = [[-0.07, start], [0.07, start], [0, start - 0.14]];
     context.beginPath();
     for (const [right, near] of corners) {
@@ -159,13 +161,11 @@ class FigureView {
     context.closePath();
     context.fillStyle = css(colours.faint, 0.8);
     context.fill();
-    const [x, y] = this.project(0, 0, start + 0.1);
+    const [x, y] = this.project(0.12, 0, start - 0.05);
     context.font = "11px system-ui, sans-serif";
-    context.textAlign = "center";
     context.textBaseline = "middle";
     context.fillStyle = css(colours.faint);
-    context.fillText("camera", x, y + 4);
-    context.textAlign = "start";
+    context.fillText("camera", x, y);
   }
 
   drawShadow(context, pose) {
@@ -177,7 +177,7 @@ class FigureView {
       path.lineTo(to[0], to[1]);
     }
     const pixels = ground(MIDDLE)[3];
-    for (const [metres, alpha] of [[0.17, 0.14], [0.11, 0.18], [0.06, 0.2]]) {
+    for (const [metres, alpha] of [[0.2, 0.07], [0.17, 0.08], [0.14, 0.09], [0.11, 0.1], [0.07, 0.1]]) {
       context.lineWidth = metres * pixels;
       context.strokeStyle = css(colours.shadow, alpha);
       context.stroke(path);
@@ -203,19 +203,21 @@ class FigureView {
     const items = [];
     const add = (depth, paint) => items.push({ depth, paint });
     add(Math.min(...TORSO.map((joint) => depths[joint])) - 0.03, () => this.paintTorso(context, points));
+    const over = [...depths]; // a joint is drawn over its own bones
     for (const [a, b, side] of this.recording.bones) {
-      if (a === HEAD || b === HEAD) continue;
+      const thickest = side === "trunk" ? TRUNK_RADIUS : 1;
+      const radius = (joint) => Math.min(thickest, RADIUS[joint]);
       const depth = (depths[a] + depths[b]) / 2;
-      add(depth, () => this.paintBone(context, points[a], points[b], RADIUS[a], RADIUS[b], fade(side, depth)));
+      over[a] = Math.max(over[a], depth);
+      over[b] = Math.max(over[b], depth);
+      const end = b === HEAD ? mix(points[a], points[b], NECK_SHARE) : points[b];
+      add(depth, () => this.paintBone(context, points[a], end, radius(a), radius(b), fade(side, depth)));
     }
-    const neckDepth = (depths[HEAD] + depths[NECK]) / 2;
-    add(neckDepth - 0.01, () =>
-      this.paintBone(context, points[NECK], points[HEAD], 0.04, 0.04, fade("trunk", neckDepth)));
     add(depths[HEAD], () => this.paintHead(context, points[HEAD], fade("trunk", depths[HEAD])));
     for (let joint = 1; joint < JOINT_COUNT; joint++) {
       const side = this.recording.jointSides[joint];
       const seen = this.recording.wasSeen(this.frame, joint);
-      add(depths[joint] + 0.05, () =>
+      add(over[joint] + 0.01, () =>
         this.paintJoint(context, points[joint], RADIUS[joint], fade(side, depths[joint]), seen));
     }
     items.sort((a, b) => a.depth - b.depth);
@@ -281,9 +283,10 @@ class FigureView {
   drawTruth(context) {
     const points = this.projectAll(this.truth);
     context.strokeStyle = css(colours.truth);
-    context.lineWidth = Math.max(1.5, 0.014 * points[MIDDLE][3]);
+    const width = Math.max(1.5, 0.014 * points[MIDDLE][3]);
+    context.lineWidth = width;
     context.lineCap = "butt";
-    context.setLineDash([7, 5]);
+    context.setLineDash([3 * width, 2 * width]);
     for (const [a, b] of this.recording.bones) {
       context.beginPath();
       context.moveTo(points[a][0], points[a][1]);

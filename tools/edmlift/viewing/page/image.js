@@ -12,8 +12,28 @@ class ImageView {
     this.points = [];
     const [left, top, right, bottom] = recording.image?.box ?? [0, 0, 1, 1];
     const picture = recording.pictures[0];
-    this.box = picture ? [0, 0, picture.width, picture.height] : [left, top, right, bottom];
+    this.box = recording.image || !picture ? [left, top, right, bottom] : [0, 0, picture.width, picture.height];
+    this.person = recording.image ? this.measure() : 1;
     this.aspect = (this.box[2] - this.box[0]) / (this.box[3] - this.box[1]);
+  }
+
+  /** Pixels of the image that a person is large: half of the frames have more. */
+  measure() {
+    const { recording } = this;
+    const sizes = [];
+    const stride = Math.max(1, Math.floor(recording.frames / 500));
+    for (let frame = 0; frame < recording.frames; frame += stride) {
+      const points = [];
+      for (let joint = 0; joint < JOINT_COUNT; joint++) points.push(recording.point(frame, joint));
+      const known = points.filter(Boolean);
+      if (known.length === 0) continue;
+      const extent = (axis) => {
+        const values = known.map((point) => point[axis]);
+        return Math.max(...values) - Math.min(...values);
+      };
+      sizes.push(Math.hypot(extent(0), extent(1)));
+    }
+    return sizes.sort((a, b) => a - b)[Math.floor(sizes.length / 2)] || 1;
   }
 
   /** The picture of a frame, or the one before it until it is there; null: there are none. */
@@ -57,16 +77,15 @@ class ImageView {
       const point = recording.image && recording.point(frame, joint);
       this.points.push(point && [x0 + scale * point[0], y0 + scale * point[1]]);
     }
-    this.drawSkeleton(context, photo);
+    this.drawSkeleton(context, photo, Math.min(7, Math.max(2, (scale * this.person) / 52)));
     const background = photo ? mix(colours.page, colours.panel, 0.5) : colours.panel;
-    if (names) nameJoints(context, recording.joints, this.points, surface.width, background);
+    if (names) nameJoints(context, recording.names, this.points, surface.width, background);
     const point = this.points[hovered];
     if (point) drawRing(context, point[0], point[1], 10);
   }
 
-  drawSkeleton(context, photo) {
+  drawSkeleton(context, photo, width) {
     const points = [...this.points, middleOf(HIPS.map((hip) => this.points[hip]))];
-    const width = Math.min(7, Math.max(3, Math.min(this.surface.width, this.surface.height) / 70));
     const rim = photo ? WHITE : colours.panel;
     const trunk = photo ? mix(colours.trunk, BLACK, colours.trunk[0] > 128 ? 0.7 : 0) : colours.trunk;
     const shade = (side) => (side === "trunk" ? trunk : colours[side]);

@@ -32,7 +32,7 @@ function drawPage(now) {
   const swings = figureView.advance(now);
   const { frame } = clock;
   if (axis.show(chosen.span, frame)) stale.curves = true;
-  if (stale.curves) for (const row of rows) row.draw();
+  if (stale.curves) for (const row of rows) row.draw(chosen.withTruth);
   if (recording.image || recording.pictures.length) imageView.draw(frame, chosen);
   figureView.draw(frame, chosen);
   strip.draw(frame, axis);
@@ -78,11 +78,11 @@ function writeSummary() {
   summary.append(", ", button);
 }
 
-const cells = recording.joints.map((name, joint) => {
+const cells = recording.names.map((name, joint) => {
   const line = make("tr");
   const head = make("th");
   head.scope = "row";
-  head.append(make("span", `swatch ${recording.jointSides[joint]}`), name.replaceAll("_", " "));
+  head.append(make("span", `swatch ${recording.jointSides[joint]}`), name);
   line.append(head, ...Array.from({ length: 5 }, () => make("td")));
   byId("joints").append(line);
   return [...line.querySelectorAll("td")];
@@ -96,19 +96,18 @@ function writeJoints(frame) {
 function jointTexts(frame, joint) {
   const pose = new Float32Array(3 * (JOINT_COUNT + 1));
   const known = recording.pose(frame, pose);
-  const metres = [0, 1, 2].map((i) => (known ? pose[3 * joint + i].toFixed(3) : "–"));
+  const metres = [0, 1, 2].map((i) => (known ? digits(pose[3 * joint + i], 3) : "–"));
   const point = recording.image && recording.point(frame, joint);
   if (!point) return [...metres, recording.image ? "not seen" : "–", "–"];
   const confidence = recording.confidence(frame, joint).toFixed(2);
-  return [...metres, point.map((v) => v.toFixed(1)).join(", "), confidence];
+  return [...metres, point.map((v) => digits(v, 1)).join(", "), confidence];
 }
 
 function tipText(joint) {
   const [x, y, z, place, confidence] = jointTexts(clock.frame, joint);
-  const name = recording.joints[joint].replaceAll("_", " ");
-  const lines = [name, `x ${x}  y ${y}  z ${z} m`];
+  const lines = [recording.names[joint], `x ${x}  y ${y}  z ${z} m`];
   if (place !== "–") lines.push(place === "not seen" ? place : `${place} px, confidence ${confidence}`);
-  return lines.join("\n").replaceAll("-", "−");
+  return lines.join("\n");
 }
 
 // ---- What the reader does ------------------------------------------------------------------------
@@ -117,7 +116,7 @@ function toggle(name, button) {
   if (button.hidden) return;
   chosen[name] = !chosen[name];
   button.setAttribute("aria-pressed", String(chosen[name]));
-  redraw();
+  redraw(true);
 }
 
 function goToRefused() {
@@ -289,6 +288,7 @@ function fillSpans() {
 function fillLegend() {
   for (const side of ["right", "left", "trunk"])
     byId("legend").append(make("li", side, recording.sideNames[side]));
+  if (recording.hasUnseen()) byId("legend").append(make("li", "unseen", "not seen, made up"));
   if (recording.truth) byId("legend").append(make("li", "truth", "truth"));
 }
 

@@ -104,6 +104,14 @@ function nameJoints(context, names, points, width, background) {
     for (let tries = 0; tries < 14 && taken.some(crosses); tries++)
       y = point[1] + 8 * Math.ceil((tries + 1) / 2) * (tries % 2 ? 1 : -1);
     taken.push([x, y, wide]);
+    if (Math.abs(y - point[1]) > 8) {
+      context.beginPath();
+      context.moveTo(point[0], point[1]);
+      context.lineTo(onRight ? x - 2 : x + wide + 2, y);
+      context.lineWidth = 1;
+      context.strokeStyle = css(colours.faint);
+      context.stroke();
+    }
     label(context, names[joint], x, y, background);
   });
 }

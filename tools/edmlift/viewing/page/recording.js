@@ -35,13 +35,14 @@ function readRecording() {
 class Recording {
   constructor(given) {
     Object.assign(this, given);
+    this.names = this.joints.map(inWords);
     this.ok = this.statuses.indexOf("ok");
     this.refused = this.status.reduce((count, code) => count + (code !== this.ok), 0);
   }
 
   /** Words for the status of a frame. */
   statusOf(frame) {
-    return this.statuses[this.status[frame]].replaceAll("_", " ");
+    return inWords(this.statuses[this.status[frame]]);
   }
 
   isRefused(frame) {
@@ -59,6 +60,12 @@ class Recording {
 
   wasSeen(frame, joint) {
     return ((this.seen[frame] >> joint) & 1) === 1;
+  }
+
+  /** Is there a pose with a joint that was not seen? */
+  hasUnseen() {
+    const all = (1 << JOINT_COUNT) - 1;
+    return this.seen.some((seen, frame) => seen !== all && !this.isRefused(frame));
   }
 
   /** Metres of the joints and the middle of the hips into out[15 * 3]; false if there is no pose. */
@@ -101,6 +108,16 @@ function floorOf(pose) {
   let floor = -Infinity;
   for (let joint = 0; joint < JOINT_COUNT; joint++) floor = Math.max(floor, pose[3 * joint + 1]);
   return floor;
+}
+
+/** too_few_joints -> "too few joints". */
+function inWords(name) {
+  return name.replaceAll("_", " ");
+}
+
+/** A number with so many digits, and a minus that is as wide as a plus. */
+function digits(value, count) {
+  return value.toFixed(count).replace("-", "−");
 }
 
 /** 75 s -> "1:15.00". */
