@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from package_support import DATA, WALK, need_library
+from package_support import DATA, ROOT, WALK, need_library
 
 import edmlift
 from edmlift.__main__ import main
@@ -360,6 +360,28 @@ def test_what_the_command_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixtur
         assert run("view", *both, "-o", tmp_path / "x.html", *options) == status
         assert message in capsys.readouterr().err
     assert not (tmp_path / "x.html").exists()
+
+
+def test_the_program_of_the_docs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """And the sizes there, which test_an_hour_is_small() measures."""
+    need_library()
+    text = (ROOT / "docs" / "view.md").read_text("utf-8")
+    (program,) = re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
+    exec(program, {})
+    assert data_of(tmp_path / "walk.html")["title"] == "A walk"
+    for here in (text, edmlift.view.__doc__):
+        sizes = " ".join(here.split())
+        assert "230 bytes a pose, and 360" in sizes and "25 or 39 MB" in sizes
+
+
+def test_the_picture_in_the_docs():
+    image = pytest.importorskip("PIL.Image", reason="no Pillow")
+    path = ROOT / "docs" / "view.png"
+    assert path.stat().st_size < 150_000
+    with image.open(path) as picture:
+        assert picture.size == (1280, 800)
 
 
 # ---- In a browser ------------------------------------------------------------------------------
