@@ -1,7 +1,4 @@
-"""The picture of a page of `edmlift view` in the docs, taken by Chromium.
-
-    python tools/run.py reports.page_picture build/demo/walk.html --frame 20 --out docs/view.png
-"""
+"""The picture of a page of `edmlift view` in the docs, taken by Chromium."""
 
 import argparse
 import sys
@@ -30,7 +27,7 @@ def take(page_path: Path, frame: int, out: Path, program: str) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("page", type=Path, help="what `edmlift view` wrote")
     parser.add_argument("--frame", type=int, default=0)
     parser.add_argument("--out", type=Path, required=True, help="picture: .png")

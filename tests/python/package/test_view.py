@@ -187,6 +187,11 @@ def test_data_cannot_be_markup(tmp_path: Path):
     assert data_of(out)["title"] == NASTY and data_of(out)["statuses"][0] == NASTY
 
 
+def test_a_title_that_has_no_utf_8(tmp_path: Path):
+    edmlift.view(poses(1), tmp_path / "x.html", title="a\udcffb")
+    assert data_of(tmp_path / "x.html")["title"] == "a?b"
+
+
 def test_the_page_needs_nothing_else(tmp_path: Path):
     edmlift.view(poses(), tmp_path / "x.html")
     text = (tmp_path / "x.html").read_text("utf-8")
@@ -592,6 +597,19 @@ def test_names_truth_and_tips(page: Page, tmp_path: Path):
     page.settle()
     cells = page.evaluate("document.querySelectorAll('#joints tr')[4].innerText").split("\t")
     assert cells[0] == "right wrist" and cells[4] == "not seen"
+
+
+@in_a_browser
+def test_a_finger_shows_a_joint(page: Page, tmp_path: Path):
+    page.resize(390, 844, mobile=True)
+    opened(page, tmp_path / "x.html", poses())
+    box = page.evaluate("document.querySelector('#image').getBoundingClientRect().toJSON()")
+    x, y = page.evaluate("edmliftView.points().image[13]")
+    point = {"x": box["x"] + x, "y": box["y"] + y}
+    page.send("Input.dispatchTouchEvent", type="touchStart", touchPoints=[point])
+    page.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    page.until("edmliftView.state().hovered === 13")
+    assert "left ankle" in page.evaluate("document.querySelector('#image-panel .tip').innerText")
 
 
 @in_a_browser

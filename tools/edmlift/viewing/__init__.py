@@ -49,7 +49,8 @@ def view(
     picture_side  pixels, 64 or more: pictures are reduced until their longer side is this
 
     The page has 230 bytes a pose, and 360 with truth: an hour at 30 frames a second is 25 or 39 MB,
-    besides pictures.  ValueError: there is no pose, arguments are wrong, or the pictures take over 64 MB.
+    besides pictures.  ValueError: there is no pose, arguments are wrong, or the pictures take over
+    64 MB.
     """
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:

@@ -21,6 +21,7 @@ SCRIPTS = ("recording", "paint", "image", "figure", "curves", "clock", "main")
 
 def page_of(title: str, recording: dict[str, Any], photographs: list[dict[str, Any]]) -> str:
     """The HTML of a page."""
+    title = title.encode("utf-8", "replace").decode()  # names of files may have half characters
     style = Template(_read("page.css")).substitute(SIDES, truth=TRUTH)
     scripts = "\n".join(_read(f"{name}.js") for name in SCRIPTS)
     script = f'\n"use strict";\n(() => {{\n{scripts}}})();\n'
@@ -36,7 +37,7 @@ def page_of(title: str, recording: dict[str, Any], photographs: list[dict[str, A
 
 
 def _read(name: str) -> str:
-    return resources.files("edmlift.viewing").joinpath("page", name).read_text("utf-8")
+    return (resources.files("edmlift.viewing") / "page" / name).read_text("utf-8")
 
 
 def _policy(script: str, style: str) -> str:

@@ -151,7 +151,7 @@ class FigureView {
 
   /** An arrow on the floor, from the side of the camera towards the person. */
   drawCamera(context) {
-    const start = this.radius + 0.05;
+    const start = Math.min(0.8, this.radius + 0.05);
     const corners = [[-0.07, start], [0.07, start], [0, start - 0.14]];
     context.beginPath();
     for (const [right, near] of corners) {

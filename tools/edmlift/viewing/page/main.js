@@ -227,7 +227,7 @@ function hoverJoints(canvas, view) {
     redraw();
   };
   canvas.addEventListener("pointerleave", leave);
-  canvas.addEventListener("pointermove", (event) => {
+  const look = (event) => {
     if (event.buttons) return leave();
     const box = canvas.getBoundingClientRect();
     const [x, y] = [event.clientX - box.left, event.clientY - box.top];
@@ -236,7 +236,9 @@ function hoverJoints(canvas, view) {
     chosen.hovered = joint;
     showTip(tip, tipText(joint), x, y);
     redraw();
-  });
+  };
+  canvas.addEventListener("pointermove", look);
+  canvas.addEventListener("click", look); // of a finger, which cannot hover
 }
 
 /** Moves in time while the pointer is dragged over a plot. */
@@ -288,7 +290,7 @@ function fillSpans() {
 function fillLegend() {
   for (const side of ["right", "left", "trunk"])
     byId("legend").append(make("li", side, recording.sideNames[side]));
-  if (recording.hasUnseen()) byId("legend").append(make("li", "unseen", "not seen, made up"));
+  if (recording.hasUnseen()) byId("legend").append(make("li", "unseen", "not seen"));
   if (recording.truth) byId("legend").append(make("li", "truth", "truth"));
 }
 
