@@ -25,6 +25,7 @@ from edmlift.networks import models
 from edmlift.placing import Placements, place, stand
 from edmlift.plausibility import joint_limits, quality, reflect_by_joint_limits, uncertainty
 from edmlift.tracking import Track, Tracked, track
+from edmlift.viewing import view
 
 __all__ = [
     "BONES",
@@ -60,5 +61,6 @@ __all__ = [
     "stand",
     "track",
     "uncertainty",
+    "view",
     "write_poses",
 ]

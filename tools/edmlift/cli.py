@@ -1,7 +1,8 @@
-"""The command line: edmlift lift, draw, models, formats."""
+"""The command line: edmlift lift, draw, view, models, formats."""
 
 import argparse
 import contextlib
+import math
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -13,6 +14,7 @@ import numpy as np
 
 from edmlift._binding import JOINT_COUNT
 from edmlift._version import __version__
+from edmlift.angles import LEVEL
 from edmlift.drawing import COLUMNS, MAX_COLUMNS, draw, draw_joint_diagram, spread
 from edmlift.files import (
     BAD_LINE,
@@ -29,6 +31,8 @@ from edmlift.keypoints import read_joints
 from edmlift.lifting import Poses, lift
 from edmlift.metrics import mpjpe
 from edmlift.networks import models
+from edmlift.plausibility import quality
+from edmlift.viewing import PICTURE_SIDE, view
 
 TROUBLE, WRONG_OPTION = 1, 2  # exit statuses; argparse has the second, too
 _DOCUMENTATION = """\
@@ -65,6 +69,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     _add_lift(commands)
     _add_draw(commands)
+    _add_view(commands)
     names = commands.add_parser("models", help="print the names of the networks")
     names.set_defaults(run=_print_models)
     names = commands.add_parser("formats", help="print the detectors' formats and their keypoints")
@@ -170,6 +175,41 @@ def _add_draw(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     parser.set_defaults(run=_draw)
 
 
+def _add_view(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser(
+        "view",
+        help="write a page to look at poses in a browser",
+        description="Writes one HTML file that shows 2D poses beside the 3D ones lifted from\n"
+        "them: a figure to turn, a time line, angles over time.  It needs no network.",
+        epilog=_DOCUMENTATION,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("keypoints", help="file of 2D poses")
+    parser.add_argument(
+        "lifted", nargs="?", help="3D poses as `edmlift lift` writes them (default: lifts)"
+    )
+    parser.add_argument("-o", "--out", metavar="FILE", required=True, help="page: .html")
+    parser.add_argument("--truth", metavar="FILE", help="true 3D poses, 42 numbers a line, metres")
+    parser.add_argument(
+        "--pictures", nargs="+", metavar="FILE",
+        help="what the keypoints were seen in: one picture, or one for each pose",
+    )  # fmt: skip
+    parser.add_argument(
+        "--picture-side", type=int, default=PICTURE_SIDE, metavar="PIXELS",
+        help=f"pictures are reduced to this longer side (default: {PICTURE_SIDE})",
+    )  # fmt: skip
+    parser.add_argument("--title", help="heading of the page (default: the name of the file)")
+    parser.add_argument(
+        "--pitch", type=float, metavar="DEGREES",
+        help="by which the camera looked down, instead of --up: the floor is level then",
+    )  # fmt: skip
+    parser.add_argument(
+        "--fps", type=float, default=30.0, help="frames a second of the recording (default: 30)"
+    )
+    _add_lift_options(parser)
+    parser.set_defaults(run=_view)
+
+
 # ---- Commands ----------------------------------------------------------------------------------
 
 
@@ -238,12 +278,7 @@ def _draw(options: argparse.Namespace) -> int:
     if options.keypoints is None or options.out is None:
         raise OptionError("draw needs a file of 2D poses and --out, or --joint-diagram")
     poses = _read_drawn(options)
-    truth = read_truth(options.truth) if options.truth else None
-    if truth is not None and len(truth) != len(poses.joints):
-        raise CommandError(
-            f"the files must hold equally many poses: {options.keypoints} has "
-            f"{len(poses.joints)}, {options.truth} has {len(truth)}"
-        )
+    truth = _read_truth(options, len(poses.joints))
     with _options():
         draw(
             poses, options.out, truth=truth, title=options.title, pitch=options.pitch,
@@ -252,6 +287,44 @@ def _draw(options: argparse.Namespace) -> int:
     if truth is not None:
         _print_errors(poses, truth)
     return 0
+
+
+def _view(options: argparse.Namespace) -> int:
+    up = _upwards(options)
+    poses = _read_drawn(options)
+    truth = _read_truth(options, len(poses.joints))
+    with _options():
+        view(
+            poses, options.out, truth=truth, title=options.title, pictures=options.pictures,
+            fps=options.fps, image=options.image, up=up, picture_side=options.picture_side,
+            quality=None if options.lifted else quality(poses),
+        )  # fmt: skip
+    size = Path(options.out).stat().st_size
+    print(f"{options.out}: {int(poses.ok.sum())} of {len(poses.joints)} poses, {size / 1e6:.1f} MB")
+    return 0
+
+
+def _upwards(options: argparse.Namespace) -> tuple[float, float, float]:
+    """Where up is, of the two options that say it; a level camera's without them."""
+    if options.pitch is None:
+        return options.up or LEVEL
+    if options.up is not None:
+        raise OptionError("--pitch and --up both say where up is: give one")
+    if not abs(options.pitch) <= 90:
+        raise OptionError(f"pitch must be -90 to 90 degrees, not {options.pitch}")
+    pitch = math.radians(options.pitch)
+    return 0.0, -math.cos(pitch), -math.sin(pitch)
+
+
+def _read_truth(options: argparse.Namespace, count: int) -> np.ndarray | None:
+    """The truth of so many poses, if there is a file of it."""
+    truth = read_truth(options.truth) if options.truth else None
+    if truth is not None and len(truth) != count:
+        raise CommandError(
+            f"the files must hold equally many poses: {options.keypoints} has {count}, "
+            f"{options.truth} has {len(truth)}"
+        )
+    return truth
 
 
 def _read_drawn(options: argparse.Namespace) -> Poses:

@@ -166,7 +166,7 @@ def test_wrong_options_have_status_2(options: tuple[str, ...], capsys: pytest.Ca
     assert ("must be W,H in pixels, not '3'" in printed) == ("--image" in options)
 
 
-@pytest.mark.parametrize("command", [[], ["lift"], ["draw"]])
+@pytest.mark.parametrize("command", [[], ["lift"], ["draw"], ["view"]])
 def test_help(command: list[str], capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("COLUMNS", "80")  # of the terminal
     with pytest.raises(SystemExit) as exit_:

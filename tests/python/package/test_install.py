@@ -22,7 +22,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
 MODULES = {
     path.relative_to(ROOT / "tools").as_posix()
     for path in (ROOT / "tools" / "edmlift").rglob("*")
-    if path.is_file() and path.suffix in (".py", ".typed")
+    if path.is_file() and path.suffix in (".py", ".typed", ".html", ".css", ".js")
 }
 FOUR_LINES = """
 import edmlift

@@ -1,0 +1,256 @@
+"""A page in Chromium, without a window: keys, pointer, pictures, and what goes wrong.
+
+It talks to the browser through two pipes, in the DevTools protocol, so that nothing has to be
+installed besides the browser.
+"""
+
+import base64
+import json
+import os
+import select
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+_FLAGS = (
+    "--headless=new", "--remote-debugging-pipe", "--no-sandbox", "--disable-gpu", "--no-first-run",
+    "--disable-dev-shm-usage", "--disable-background-networking", "--disable-component-update",
+    "--disable-sync", "--mute-audio", "--hide-scrollbars", "--force-color-profile=srgb",
+)  # fmt: skip
+_FINGERS = 10  # file descriptors from here on are out of the way of 3 and 4
+KEY_CODES = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Home": 36,
+             "End": 35, " ": 32, "Tab": 9, "Enter": 13, "Escape": 27}  # fmt: skip
+
+
+class BrowserError(RuntimeError):
+    """The browser did not do what it was asked to."""
+
+
+def find_browser() -> str | None:
+    """Where Chromium is; None: nowhere on the path."""
+    return next(filter(None, map(shutil.which, PROGRAMS)), None)
+
+
+class Page:
+    """One page; errors of its console, and addresses outside it that it fetched, are kept."""
+
+    def __init__(self, program: str, width: int = 1280, height: int = 800, timeout: float = 60.0):
+        self.errors: list[str] = []
+        self.requests: list[str] = []
+        self._timeout = timeout
+        self._number = 0
+        self._buffer = b""
+        self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        from_us, self._out = os.pipe()
+        self._in, to_us = os.pipe()
+
+        def at_three_and_four() -> None:
+            reads, writes = (_out_of_the_way(fd) for fd in (from_us, to_us))
+            os.dup2(reads, 3)
+            os.dup2(writes, 4)
+
+        self._process = subprocess.Popen(
+            [program, *_FLAGS, f"--user-data-dir={self._folder.name}", "about:blank"],
+            preexec_fn=at_three_and_four, close_fds=False,
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        os.close(from_us)
+        os.close(to_us)
+        targets = self._send("Target.getTargets", session=None)["targetInfos"]
+        target = next(t["targetId"] for t in targets if t["type"] == "page")
+        attached = self._send("Target.attachToTarget", session=None, targetId=target, flatten=True)
+        self._session: str = attached["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.send(f"{domain}.enable")
+        self.resize(width, height)
+
+    def __enter__(self) -> "Page":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:  # fmt: skip
+        try:
+            self._send("Browser.close", session=None)
+        except (BrowserError, OSError):
+            self._process.kill()
+        self._process.wait(30)
+        os.close(self._out)
+        os.close(self._in)
+        self._folder.cleanup()
+
+    # ---- What a reader does --------------------------------------------------------------------
+
+    def resize(self, width: int, height: int, density: float = 1.0, mobile: bool = False) -> None:
+        """The window's size in pixels, and device pixels a pixel."""
+        self.send(
+            "Emulation.setDeviceMetricsOverride", width=width, height=height,
+            deviceScaleFactor=density, mobile=mobile,
+        )  # fmt: skip
+        self.send("Emulation.setTouchEmulationEnabled", enabled=mobile)
+
+    def scheme(self, name: str) -> None:
+        """Prefers "light" or "dark"."""
+        feature = {"name": "prefers-color-scheme", "value": name}
+        self.send("Emulation.setEmulatedMedia", features=[feature])
+
+    def open(self, path: Path, anchor: str = "") -> None:
+        """Opens a file, until it is loaded."""
+        self.send("Page.navigate", url="about:blank")
+        self.requests.clear()
+        self.send("Page.navigate", url=path.resolve().as_uri() + anchor)
+        self.until("document.readyState === 'complete' && location.protocol === 'file:'")
+
+    def evaluate(self, expression: str) -> Any:
+        """The value of an expression of JavaScript, in the page; a promise is waited for."""
+        answer = self.send(
+            "Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True
+        )
+        if "exceptionDetails" in answer:
+            raise BrowserError(f"{expression}: {json.dumps(answer['exceptionDetails'])}")
+        return answer["result"].get("value")
+
+    def until(self, expression: str) -> None:
+        """Waits until an expression is true."""
+        end = time.monotonic() + self._timeout
+        while not self.evaluate(expression):
+            if time.monotonic() > end:
+                raise BrowserError(f"still not: {expression}")
+            time.sleep(0.02)
+
+    def settle(self) -> None:
+        """Waits until what was asked for is drawn."""
+        self.evaluate("new Promise(r => requestAnimationFrame(() => requestAnimationFrame(r)))")
+
+    def key(self, key: str, shift: bool = False) -> None:
+        """Presses and releases a key."""
+        code = KEY_CODES.get(key, ord(key[0].upper()))
+        known: dict[str, Any] = {"key": key, "windowsVirtualKeyCode": code, "modifiers": 8 * shift}
+        text = {"text": "\r" if key == "Enter" else key} if len(key) == 1 or key == "Enter" else {}
+        self.send("Input.dispatchKeyEvent", type="keyDown", **known, **text)
+        self.send("Input.dispatchKeyEvent", type="keyUp", **known)
+        self.settle()
+
+    def click(self, selector: str) -> None:
+        """Clicks the middle of an element."""
+        self.drag(self.middle(selector), (0, 0))
+
+    def drag(self, start: tuple[float, float], by: tuple[float, float]) -> None:
+        """Presses the pointer at a place, moves it by so many pixels, and releases it."""
+        (x, y), (dx, dy) = start, by
+        self._pointer("mouseMoved", x, y)
+        self._pointer("mousePressed", x, y, 1)
+        for part in (0.5, 1.0) if by != (0, 0) else ():
+            self._pointer("mouseMoved", x + part * dx, y + part * dy, 1)
+        self._pointer("mouseReleased", x + dx, y + dy)
+        self.settle()
+
+    def hover(self, x: float, y: float) -> None:
+        self._pointer("mouseMoved", x, y)
+        self.settle()
+
+    def wheel(self, x: float, y: float, down: float, shift: bool = False) -> None:
+        self.send(
+            "Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=down,
+            modifiers=8 * shift,
+        )  # fmt: skip
+        self.settle()
+
+    def middle(self, selector: str) -> tuple[float, float]:
+        """The middle of an element, which is scrolled into sight."""
+        x, y = self.evaluate(
+            f"(() => {{ const e = document.querySelector({json.dumps(selector)});"
+            "e.scrollIntoView({block: 'nearest'}); const b = e.getBoundingClientRect();"
+            "return [b.x + b.width / 2, b.y + b.height / 2]; })()"
+        )
+        return x, y
+
+    def screenshot(self, path: Path) -> None:
+        """What the window shows, as PNG."""
+        self.settle()
+        picture = self.send("Page.captureScreenshot", format="png")
+        path.write_bytes(base64.b64decode(picture["data"]))
+
+    # ---- The protocol --------------------------------------------------------------------------
+
+    def _pointer(self, kind: str, x: float, y: float, buttons: int = 0) -> None:
+        button = "none" if kind == "mouseMoved" and not buttons else "left"
+        self.send(
+            "Input.dispatchMouseEvent", type=kind, x=x, y=y, button=button, buttons=buttons,
+            clickCount=int(kind != "mouseMoved"),
+        )  # fmt: skip
+
+    def send(self, method: str, **parameters: Any) -> dict[str, Any]:
+        """Asks the page for something; its answer."""
+        return self._send(method, self._session, **parameters)
+
+    def _send(self, method: str, session: str | None, **parameters: Any) -> dict[str, Any]:
+        self._number += 1
+        message: dict[str, Any] = {"id": self._number, "method": method, "params": parameters}
+        if session is not None:
+            message["sessionId"] = session
+        os.write(self._out, json.dumps(message).encode() + b"\0")
+        for answer in self._messages():
+            self._note(answer)
+            if answer.get("id") == self._number:
+                if "error" in answer:
+                    raise BrowserError(f"{method}: {answer['error']['message']}")
+                result: dict[str, Any] = answer["result"]
+                return result
+        raise BrowserError(f"{method}: the browser is gone")
+
+    def _messages(self) -> Iterator[dict[str, Any]]:
+        end = time.monotonic() + self._timeout
+        while True:
+            message, found, rest = self._buffer.partition(b"\0")
+            if found:
+                self._buffer = rest
+                yield json.loads(message)
+                continue
+            if not select.select([self._in], [], [], max(0.0, end - time.monotonic()))[0]:
+                raise BrowserError("the browser does not answer")
+            data = os.read(self._in, 1 << 20)
+            if not data:
+                return
+            self._buffer += data
+
+    def _note(self, message: dict[str, Any]) -> None:
+        """Keeps what a test asks about later."""
+        method, given = message.get("method"), message.get("params", {})
+        if method == "Runtime.exceptionThrown":
+            self.errors.append(json.dumps(given["exceptionDetails"]))
+        elif method == "Runtime.consoleAPICalled" and given["type"] in ("error", "warning"):
+            self.errors.append(json.dumps(given["args"]))
+        elif method == "Log.entryAdded" and given["entry"]["level"] in ("error", "warning"):
+            self.errors.append(given["entry"]["text"])
+        elif method == "Network.requestWillBeSent":
+            url: str = given["request"]["url"]
+            if not url.startswith("data:"):
+                self.requests.append(url)
+
+
+@contextmanager
+def opened(path: Path, program: str, width: int = 1280, height: int = 800) -> Iterator[Page]:
+    """A page of a file."""
+    with Page(program, width, height) as page:
+        page.open(path)
+        yield page
+
+
+def _out_of_the_way(descriptor: int) -> int:
+    """A copy of a descriptor whose number is neither 3 nor 4."""
+    copies = [os.dup(descriptor)]
+    while copies[-1] < _FINGERS:
+        copies.append(os.dup(descriptor))
+    for copy in copies[:-1]:
+        if copy not in (3, 4):
+            os.close(copy)
+    return copies[-1]
