@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from edmlift.lifting import Poses
@@ -15,11 +16,11 @@ from edmlift.motion.tables import write_arrow, write_csv, write_parquet
 from edmlift.motion.trc import write_trc
 from edmlift.placing import Placements
 
-__all__ = ["MOTION_SUFFIXES", "write_motion"]
+__all__ = ["MOTION_SUFFIXES", "MotionFormat", "check_motion", "write_motion"]
 
 
 @dataclass(frozen=True)
-class _Format:
+class MotionFormat:
     """What a kind of file is made of."""
 
     write: Callable[[Path, Clip], None]
@@ -28,14 +29,14 @@ class _Format:
 
 
 _FORMATS = {
-    ".trc": _Format(write_trc),
-    ".c3d": _Format(write_c3d),
-    ".bvh": _Format(write_bvh, has_bones=True),
-    ".glb": _Format(write_glb, has_bones=True),
-    ".csv": _Format(write_csv, has_rate=False),
-    ".parquet": _Format(write_parquet, has_rate=False),
-    ".arrow": _Format(write_arrow, has_rate=False),
-    ".feather": _Format(write_arrow, has_rate=False),
+    ".trc": MotionFormat(write_trc),
+    ".c3d": MotionFormat(write_c3d),
+    ".bvh": MotionFormat(write_bvh, has_bones=True),
+    ".glb": MotionFormat(write_glb, has_bones=True),
+    ".csv": MotionFormat(write_csv, has_rate=False),
+    ".parquet": MotionFormat(write_parquet, has_rate=False),
+    ".arrow": MotionFormat(write_arrow, has_rate=False),
+    ".feather": MotionFormat(write_arrow, has_rate=False),
 }
 MOTION_SUFFIXES = tuple(_FORMATS)
 
@@ -75,13 +76,22 @@ def write_motion(
     package that is not there: pip install "edmlift[files]".
     """
     path = Path(path)
-    kind = _FORMATS.get(path.suffix.lower())
-    if kind is None:
-        raise ValueError(f"{path}: must end in {', '.join(MOTION_SUFFIXES)}")
-    if kind.has_rate and fps is None:
-        raise ValueError(f"a {path.suffix} file needs the frames a second: fps=")
+    kind = check_motion(path, fps)
     try:
         clip = clip_of(poses, fps, up, root, rigid=kind.has_bones)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
     kind.write(path, clip)
+
+
+def check_motion(path: str | Path, fps: float | None) -> MotionFormat:
+    """The kind of file that a name stands for; ValueError where there is none, or no rate."""
+    suffix = Path(path).suffix.lower()
+    kind = _FORMATS.get(suffix)
+    if kind is None:
+        raise ValueError(f"{path}: a motion file must end in {', '.join(MOTION_SUFFIXES)}")
+    if kind.has_rate and fps is None:
+        raise ValueError(f"{path}: a {suffix} file needs the frames a second (fps)")
+    if fps is not None and not (np.isfinite(fps) and fps > 0):
+        raise ValueError(f"fps must be over 0, not {fps}")
+    return kind

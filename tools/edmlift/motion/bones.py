@@ -15,7 +15,7 @@ from edmlift.joints import INDEX, JOINTS, mid_hip
 _F64 = NDArray[np.float64]
 _HIPS = len(JOINTS)  # mid-hip behind the 14 joints
 _X, _Y, _Z = np.eye(3)
-_STRAIGHT = np.sin(np.radians(15.0))  # a limb less bent than this hardly says how it is rolled
+_STRAIGHT = np.sin(np.radians(20.0))  # a limb less bent than this hardly says how it is rolled
 _NO_LENGTH = 1e-3  # metres; a shorter bone has no direction
 
 

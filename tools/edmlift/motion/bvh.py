@@ -72,7 +72,7 @@ def _euler(turned: _F64) -> _F64:
     # What is left without z: exact also where x is a right angle, and z is any.
     first = cosine * turned[..., 0, :] + sine * turned[..., 1, :]
     second = cosine * turned[..., 1, :] - sine * turned[..., 0, :]
-    x = np.arctan2(-second[..., 2], second[..., 1])
+    x = np.arctan2(turned[..., 2, 1], second[..., 1])
     y = np.arctan2(first[..., 2], first[..., 0])
     return np.stack([z, x, y], axis=-1)
 

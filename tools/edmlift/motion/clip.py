@@ -54,8 +54,6 @@ def clip_of(
     rigid: bool,
 ) -> Clip:
     """A clip of poses; arguments as of write_motion(); rigid: bones keep their length."""
-    if fps is not None and not (np.isfinite(fps) and fps > 0):
-        raise ValueError(f"fps must be over 0, not {fps}")
     given, _ = batched(poses)
     directions = read_up(up, len(given.joints))
     joints, path, status = _about_hips(given, root)
@@ -80,8 +78,9 @@ def _about_hips(
     joints, status = poses.joints.astype(float), poses.status
     path: _F64 | None = None
     if isinstance(root, Placements):
-        placed, path = np.atleast_3d(root.joints), np.atleast_2d(root.translation).astype(float)
-        if placed.shape != joints.shape:
+        placed = root.joints.reshape(-1, *joints.shape[1:])
+        path = root.translation.reshape(-1, 3).astype(float)
+        if len(path) != len(joints):
             raise ValueError(f"root has {len(path)} placements, but there are {len(joints)} poses")
         joints = placed - path[:, None]
         status = np.where(poses.ok, np.atleast_1d(root.status), status)

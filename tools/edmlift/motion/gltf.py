@@ -19,7 +19,9 @@ _F64 = NDArray[np.float64]
 _FLOAT, _BYTE = 5126, 5121  # component types
 _ARRAY_BUFFER = 34962
 _ANKLE = 0.07  # metres above the floor, of the figure at rest
-_THICK, _NECK = 0.11, 0.2  # of a bone's length: half its width, and where it is widest
+# Of the length of the bone to a node: half its width, and from where it is as wide.
+_SHAPES = {"head": (0.34, 0.55), "neck_base": (0.2, 0.75)}
+_SHAPE = (0.14, 0.2)
 
 
 @dataclass
@@ -58,13 +60,11 @@ def write_glb(path: Path, clip: Clip) -> None:
     gltf = need("pygltflib", ".glb")
     clip = held(path, clip)
     rest = offsets(clip.joints)
-    heights = np.zeros(len(NODES))
     at = np.zeros((len(NODES), 3))
     for i, node in enumerate(NODES[1:], 1):
         at[i] = at[node.parent] + rest[i]
-    heights = at[:, 1]
-    rest[0] = at[0] = [0.0, _ANKLE - heights.min(), 0.0]
-    at[1:] += at[0]
+    rest[0] = [0.0, _ANKLE - at[:, 1].min(), 0.0]
+    at += rest[0]
 
     buffer = _Buffer(gltf)
     nodes = [
@@ -144,14 +144,15 @@ def _quaternions(turned: _F64) -> _F64:
 
 def _figure(gltf: Any, buffer: _Buffer, at: _F64) -> tuple[list[Any], list[Any]]:
     """Primitives and materials, each of the subject's right, left and trunk; at [N,3] is rest."""
-    primitives, materials = [], []
+    primitives: list[Any] = []
+    materials: list[Any] = []
     for side, colour in SIDES.items():
         points, owners = [], []
         for i, node in enumerate(NODES):
             if node.parent < 0 or _side(node.name) != side:
                 continue
             if np.linalg.norm(at[i] - at[node.parent]) > 0 and not node.name.endswith("clavicle"):
-                points.append(_bone(at[node.parent], at[i]))
+                points.append(_bone(at[node.parent], at[i], *_SHAPES.get(node.name, _SHAPE)))
                 owners += [node.parent] * len(points[-1])
         corners = np.concatenate(points)
         joints = np.zeros((len(corners), 4), np.uint8)
@@ -180,15 +181,15 @@ def _side(name: str) -> str:
     return side if side in ("right", "left") else "trunk"
 
 
-def _bone(start: _F64, end: _F64) -> _F64:
+def _bone(start: _F64, end: _F64, thick: float, widest: float) -> _F64:
     """Corners [24,3] of the 8 triangles of a bone, counterclockwise from outside."""
     along = end - start
     length = float(np.linalg.norm(along))
     least = np.eye(3)[np.abs(along).argmin()]
     side = np.cross(along / length, least)
-    side *= _THICK * length / np.linalg.norm(side)
+    side *= thick * length / np.linalg.norm(side)
     other = np.cross(along / length, side)
-    middle = start + _NECK * along
+    middle = start + widest * along
     ring = [middle + side, middle + other, middle - side, middle - other]
     corners = []
     for a, b in zip(ring, [*ring[1:], ring[0]], strict=True):
