@@ -1,6 +1,7 @@
 """Motion files, read back by other readers than the writers' packages."""
 
 import json
+import os
 import shutil
 import struct
 import subprocess
@@ -691,6 +692,36 @@ def test_lifted_poses_become_a_motion_file(tmp_path: Path, capsys: pytest.Captur
     np.testing.assert_allclose(read_trc(tmp_path / "x.trc")[3], wanted, atol=2e-5)
     assert main(["convert", str(tmp_path / "lifted.csv"), "-o", "x.trc"]) == 2
     assert "x.trc: a .trc file needs the frames a second" in capsys.readouterr().err
+
+
+def test_the_page_shows_a_program_that_runs(tmp_path: Path):
+    pytest.importorskip("pygltflib", reason="no pygltflib")
+    example = ROOT / "examples" / "to_blender.py"
+    page = (ROOT / "docs" / "files.md").read_text("utf-8")
+    assert f"```python\n{example.read_text('utf-8')}```\n" in page
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    environment = os.environ | {"PYTHONPATH": str(ROOT / "tools")}
+    done = subprocess.run(
+        [sys.executable, example], cwd=tmp_path,
+        env=environment, capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    hips = Glb(tmp_path / "walk.glb").matrices()["hips"][:, :3, 3]
+    assert np.hypot(*(hips[-1] - hips[0])[[0, 2]]) == pytest.approx(1.24, abs=0.1)
+
+
+def test_the_commands_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """But for lift_stdin's; what it prints is what `edmlift convert` reads (test_files.py)."""
+    for package in ("ezc3d", "pygltflib", "pyarrow"):
+        pytest.importorskip(package, reason=f"no {package}")
+    page = (ROOT / "docs" / "files.md").read_text("utf-8")
+    commands = [line.split()[1:] for line in page.splitlines() if line.startswith("edmlift ")]
+    assert [words[0] for words in commands] == ["lift", "lift", "lift", "convert"]
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
+    edmlift.write_poses("lifted.csv", edmlift.track(WALK, fps=FPS))
+    for words in commands:
+        assert main(words) == 0 and Path(words[words.index("-o") + 1]).stat().st_size > 5000
 
 
 def test_plain_csv_is_what_it_was(tmp_path: Path):

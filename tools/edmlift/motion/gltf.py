@@ -172,7 +172,7 @@ def _figure(gltf: Any, buffer: _Buffer, at: _F64) -> tuple[list[Any], list[Any]]
         surface = gltf.PbrMetallicRoughness(
             baseColorFactor=[*linear, 1.0], metallicFactor=0.0, roughnessFactor=0.8
         )
-        materials.append(gltf.Material(name=side, pbrMetallicRoughness=surface))
+        materials.append(gltf.Material(name=side, pbrMetallicRoughness=surface, alphaCutoff=None))
     return primitives, materials
 
 
