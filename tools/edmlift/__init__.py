@@ -21,6 +21,7 @@ from edmlift.joints import BONES, JOINTS, MIRROR
 from edmlift.keypoints import adapt
 from edmlift.lifting import Poses, lift
 from edmlift.metrics import joint_errors, mpjpe, pa_mpjpe, pck, procrustes
+from edmlift.motion import MOTION_SUFFIXES, write_motion
 from edmlift.networks import models
 from edmlift.placing import Placements, place, stand
 from edmlift.plausibility import joint_limits, quality, reflect_by_joint_limits, uncertainty
@@ -32,6 +33,7 @@ __all__ = [
     "FORMATS",
     "JOINTS",
     "MIRROR",
+    "MOTION_SUFFIXES",
     "FileError",
     "Placements",
     "Poses",
@@ -62,5 +64,6 @@ __all__ = [
     "track",
     "uncertainty",
     "view",
+    "write_motion",
     "write_poses",
 ]

@@ -1,10 +1,11 @@
-"""The command line: edmlift lift, draw, view, models, formats."""
+"""The command line: edmlift lift, convert, draw, view, models, formats."""
 
 import argparse
 import contextlib
 import math
 import os
 import sys
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -30,14 +31,23 @@ from edmlift.formats import FORMATS, find_format
 from edmlift.keypoints import read_joints
 from edmlift.lifting import Poses, lift
 from edmlift.metrics import mpjpe
+from edmlift.motion import MOTION_SUFFIXES, check_motion, write_motion
 from edmlift.networks import models
+from edmlift.placing import Placements, place
 from edmlift.plausibility import quality
 from edmlift.viewing import PICTURE_SIDE, view
 
+_UP = "upwards in the camera's axes, as 0,-1,0 of a level camera (default: not known)"
 TROUBLE, WRONG_OPTION = 1, 2  # exit statuses; argparse has the second, too
 _DOCUMENTATION = """\
 keypoints: x,y or x,y,c of each joint, a pose a line; or JSON lines, objects with
 "keypoints":[[x,y,c],...], in files that end in .jsonl, .ndjson or .json
+"""
+_PLAIN_SUFFIXES = (".csv",)  # of motion files that --motion asks for
+_MOTION = f"""\
+motion files: FILE may end in {", ".join(s for s in MOTION_SUFFIXES if s not in _PLAIN_SUFFIXES)},
+for OpenSim, Blender and others; --motion makes one of a .csv, too.  Their axes are y up, x right,
+z towards the camera; with --up the person stands on the floor.
 """
 
 
@@ -68,6 +78,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"edmlift {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     _add_lift(commands)
+    _add_convert(commands)
     _add_draw(commands)
     _add_view(commands)
     names = commands.add_parser("models", help="print the names of the networks")
@@ -83,6 +94,8 @@ def _add_lift(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         help="lift a file of 2D poses to 3D",
         description="Lifts a file of 2D poses to 3D, a line of input to a line of output.",
         epilog=_DOCUMENTATION
+        + "\n"
+        + _MOTION
         + "\nposes: status,x0,y0,z0,...,x13,y13,z13,misfit in metres; x right, y down, z away\n"
         "from the camera, origin between the hips.  A pose that cannot be lifted has another\n"
         "status than ok and empty fields; a line that is not a pose has bad_line, and the exit\n"
@@ -97,7 +110,34 @@ def _add_lift(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     parser.add_argument(
         "--json", action="store_true", help="the input is JSON lines, whatever its name"
     )
+    _add_motion_options(parser)
+    parser.add_argument(
+        "--camera", type=_intrinsics, metavar="FX,FY,CX,CY",
+        help="of a camera that stands still, in pixels: the person moves through the room",
+    )  # fmt: skip
     parser.set_defaults(run=_lift)
+
+
+def _add_convert(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    parser = commands.add_parser(
+        "convert",
+        help="make a motion file of lifted poses",
+        description="Makes a motion file of poses as `edmlift lift` and lift_stdin write them.",
+        epilog=_MOTION,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("lifted", help="file of 3D poses, a frame a line")
+    parser.add_argument("-o", "--out", metavar="FILE", required=True, help="motion file")
+    parser.add_argument("--fps", type=float, metavar="N", help="frames a second")
+    parser.add_argument("--up", type=_direction, metavar="X,Y,Z", help=_UP)
+    parser.set_defaults(run=_convert)
+
+
+def _add_motion_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--fps", type=float, metavar="N", help="frames a second of a motion file")
+    parser.add_argument(
+        "--motion", action="store_true", help="a .csv is a motion file: a column a joint and axis"
+    )
 
 
 def _add_lift_options(parser: argparse.ArgumentParser) -> None:
@@ -113,10 +153,7 @@ def _add_lift_options(parser: argparse.ArgumentParser) -> None:
         "--image", type=_size, metavar="W,H",
         help="size of the image in pixels: keypoints outside are not seen; blazepose33 needs it",
     )  # fmt: skip
-    parser.add_argument(
-        "--up", type=_direction, metavar="X,Y,Z",
-        help="upwards in the camera's axes, as 0,-1,0 of a level camera (default: not known)",
-    )  # fmt: skip
+    parser.add_argument("--up", type=_direction, metavar="X,Y,Z", help=_UP)
 
 
 def _size(text: str) -> tuple[float, float]:
@@ -133,6 +170,14 @@ def _direction(text: str) -> tuple[float, float, float]:
     except ValueError:
         raise argparse.ArgumentTypeError(f"must be X,Y,Z, not {text!r}") from None
     return x, y, z
+
+
+def _intrinsics(text: str) -> tuple[float, float, float, float]:
+    try:
+        fx, fy, cx, cy = map(float, text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be FX,FY,CX,CY, not {text!r}") from None
+    return fx, fy, cx, cy
 
 
 def _add_draw(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -229,12 +274,17 @@ def _lift(options: argparse.Namespace) -> int:
     as_json = options.json or (source != "-" and is_json(source))
     if as_json and options.header:
         raise OptionError("--header is for CSV, not for JSON lines")
+    is_motion = _is_motion(options)
     _check_lift_options(options)
     data = _bytes_of(sys.stdin, "input").read() if source == "-" else Path(source).read_bytes()
     lines = read_lines(data, options.format, as_json)
     poses = _lift_lines(lines, options)
     for index, problem in lines.problems.items():
         print(f"edmlift: {source}:{lines.numbers[index]}: {problem}", file=sys.stderr)
+    if is_motion:
+        root = None if options.camera is None else place(poses, options.camera)
+        _write_motion(poses, options, root)
+        return TROUBLE if lines.problems else 0
     text = json_lines(poses, lines.objects) if as_json else csv_lines(poses, options.header)
     out = "".join(f"{line}\n" for line in text).encode()
     if options.out is None:
@@ -242,6 +292,47 @@ def _lift(options: argparse.Namespace) -> int:
     else:
         Path(options.out).write_bytes(out)
     return TROUBLE if lines.problems else 0
+
+
+def _convert(options: argparse.Namespace) -> int:
+    _check_motion(options)
+    _write_motion(read_poses(options.lifted), options)
+    return 0
+
+
+def _is_motion(options: argparse.Namespace) -> bool:
+    """Is a motion file asked for?  Checks the options that are for these alone."""
+    suffix = "" if options.out is None else Path(options.out).suffix.lower()
+    if options.motion or suffix in set(MOTION_SUFFIXES) - set(_PLAIN_SUFFIXES):
+        _check_motion(options)
+        if options.header:
+            raise OptionError("--header is not for motion files, which have names anyway")
+        return True
+    for name in ("fps", "camera"):
+        if getattr(options, name) is not None:
+            raise OptionError(
+                f"--{name} is for motion files: -o must end in {', '.join(MOTION_SUFFIXES)} "
+                "(.csv with --motion)"
+            )
+    return False
+
+
+def _check_motion(options: argparse.Namespace) -> None:
+    """Before a file is read: can a motion file be made of that name, at that rate?"""
+    if options.out is None:
+        raise OptionError("a motion file must have a name: -o FILE")
+    with _options():
+        check_motion(options.out, options.fps)
+
+
+def _write_motion(
+    poses: Poses, options: argparse.Namespace, root: Placements | None = None
+) -> None:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", UserWarning)
+        write_motion(options.out, poses, fps=options.fps, up=options.up, root=root)
+    for warning in caught:
+        print(f"edmlift: {warning.message}", file=sys.stderr)
 
 
 def _bytes_of(stream: TextIO | None, name: str) -> BinaryIO:
@@ -257,7 +348,8 @@ def _check_lift_options(options: argparse.Namespace) -> None:
         count = JOINT_COUNT if options.format is None else find_format(options.format).keypoints
         lift(
             np.zeros((0, count, 3)), options.model, options.up, format=options.format,
-            threshold=options.threshold, image=options.image, fixed=options.fixed,
+            threshold=options.threshold, image=options.image, camera=options.camera,
+            fixed=options.fixed,
         )  # fmt: skip
 
 
@@ -265,7 +357,8 @@ def _lift_lines(lines: Lines, options: argparse.Namespace) -> Poses:
     """Poses of lines; the bad ones have the status of a bad line."""
     poses = lift(
         lines.keypoints, options.model, options.up, format=options.format,
-        threshold=options.threshold, image=options.image, fixed=options.fixed,
+        threshold=options.threshold, image=options.image, camera=options.camera,
+        fixed=options.fixed,
     )  # fmt: skip
     bad = np.isin(np.arange(len(lines.numbers)), list(lines.problems))
     return replace(poses, status=np.where(bad, BAD_LINE, poses.status))
@@ -330,7 +423,7 @@ def _read_truth(options: argparse.Namespace, count: int) -> np.ndarray | None:
 def _read_drawn(options: argparse.Namespace) -> Poses:
     """What is drawn: the keypoints of a file, with the poses of another or lifted here."""
     path = Path(options.keypoints)
-    options.fixed = False
+    options.fixed, options.camera = False, None
     if options.lifted is None:
         _check_lift_options(options)
     lines = read_lines(path.read_bytes(), options.format, is_json(path))
