@@ -11,7 +11,7 @@ import numpy as np
 
 from data.mocap import Motion
 from data.views import Column, views
-from edmlift import angles
+from edmlift import joint_angles as angles
 from evaluation.measures import Figures, Lifter, by_subject, lift
 from reports.markdown import table
 

@@ -6,7 +6,7 @@ from package_support import DATA
 from scipy.spatial.transform import Rotation
 
 import edmlift
-from edmlift import angles
+from edmlift import joint_angles as angles
 from edmlift.joints import INDEX, mid_hip, mirrored
 
 LEVEL = np.array(angles.LEVEL)
