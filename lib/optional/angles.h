@@ -17,11 +17,14 @@
  * perpendicular.  Below, small errors of joints make large ones of the angle. */
 #define LEAST_SHARE REAL(0.25)
 
-#define SHOULDERS (1U << EDML_R_SHOULDER | 1U << EDML_L_SHOULDER)
-#define HIPS (1U << EDML_R_HIP | 1U << EDML_L_HIP)
-#define TRUNK (1U << EDML_NECK_BASE | HIPS)
+/* Which joints, as in pose->seen. */
+enum {
+    HIP_JOINTS = 1 << EDML_R_HIP | 1 << EDML_L_HIP,
+    TRUNK_JOINTS = 1 << EDML_NECK_BASE | HIP_JOINTS,
+    SHOULDER_JOINTS = 1 << EDML_R_SHOULDER | 1 << EDML_L_SHOULDER
+};
 
-static int sees_all(const edml_pose *pose, unsigned joints) { return (pose->seen & joints) == joints; }
+static int sees_all(const edml_pose *pose, int joints) { return (pose->seen & joints) == joints; }
 
 /* Zero if there is no length.  Joints are up to 14 m apart. */
 static point towards(const edml_pose *pose, int from, int to)
@@ -83,7 +86,7 @@ static api_real angle_between(point a, point b)
 /* How far the second of three joints in a row is bent. */
 static api_real hinge_angle(const edml_pose *pose, int first)
 {
-    if (!sees_all(pose, 7U << first)) return NO_ANGLE;
+    if (!sees_all(pose, 7 << first)) return NO_ANGLE;
     return angle_between(towards(pose, first, first + 1), towards(pose, first + 1, first + 2));
 }
 
@@ -91,12 +94,13 @@ static api_real hinge_angle(const edml_pose *pose, int first)
 static void measure_hips(api_real degrees[EDML_ANGLES], const edml_pose *pose)
 {
     matrix3 pelvis;
-    if (!sees_all(pose, TRUNK)) return;
-    if (!level_axes(&pelvis, along_trunk(pose), towards(pose, EDML_L_HIP, EDML_R_HIP))) return;
+    if (!sees_all(pose, TRUNK_JOINTS)) return;
+    const point across = towards(pose, EDML_L_HIP, EDML_R_HIP);
+    if (!level_axes(&pelvis, along_trunk(pose), across)) return;
     for (int side = 0; side < 2; side++) {
         const int hip = side == 0 ? EDML_R_HIP : EDML_L_HIP;
         const point thigh = rotate(&pelvis, towards(pose, hip, hip + 1));
-        if (!sees_all(pose, 3U << hip) || !has_direction(thigh)) continue;
+        if (!sees_all(pose, 3 << hip) || !has_direction(thigh)) continue;
         const real outward = side == 0 ? thigh.z : -thigh.z;
         degrees[EDML_R_HIP_FLEXION + side] = angle_in_plane(thigh.x, -thigh.y);
         degrees[EDML_R_HIP_ABDUCTION + side] = degrees_of(outward, HYPOT(thigh.x, thigh.y));
@@ -108,12 +112,13 @@ static void measure_hips(api_real degrees[EDML_ANGLES], const edml_pose *pose)
 static void measure_shoulders(api_real degrees[EDML_ANGLES], const edml_pose *pose)
 {
     matrix3 thorax;
-    if (!sees_all(pose, TRUNK | SHOULDERS)) return;
-    if (!upright_axes(&thorax, along_trunk(pose), towards(pose, EDML_L_SHOULDER, EDML_R_SHOULDER))) return;
+    if (!sees_all(pose, TRUNK_JOINTS | SHOULDER_JOINTS)) return;
+    const point across = towards(pose, EDML_L_SHOULDER, EDML_R_SHOULDER);
+    if (!upright_axes(&thorax, along_trunk(pose), across)) return;
     for (int side = 0; side < 2; side++) {
         const int shoulder = side == 0 ? EDML_R_SHOULDER : EDML_L_SHOULDER;
         const point arm = rotate(&thorax, towards(pose, shoulder, shoulder + 1));
-        if (!sees_all(pose, 3U << shoulder) || !has_direction(arm)) continue;
+        if (!sees_all(pose, 3 << shoulder) || !has_direction(arm)) continue;
         const real outward = side == 0 ? arm.z : -arm.z;
         degrees[EDML_R_SHOULDER_ELEVATION + side] = degrees_of(HYPOT(arm.x, outward), -arm.y);
         degrees[EDML_R_SHOULDER_PLANE + side] = angle_in_plane(arm.x, outward);
@@ -144,10 +149,11 @@ static void measure_trunk(api_real degrees[EDML_ANGLES], const edml_pose *pose, 
 {
     matrix3 upright;
     const point trunk = along_trunk(pose);
-    if (sees_all(pose, TRUNK)) degrees[EDML_TRUNK_LEAN] = angle_between(trunk, up);
-    if (!sees_all(pose, SHOULDERS | HIPS) || !upright_axes(&upright, up, across_torso(pose))) return;
+    if (sees_all(pose, TRUNK_JOINTS)) degrees[EDML_TRUNK_LEAN] = angle_between(trunk, up);
+    if (!sees_all(pose, SHOULDER_JOINTS | HIP_JOINTS) || !upright_axes(&upright, up, across_torso(pose)))
+        return;
     degrees[EDML_HEADING] = heading_of(upright.x, up);
-    if (!sees_all(pose, TRUNK) || !has_direction(trunk)) return;
+    if (!sees_all(pose, TRUNK_JOINTS) || !has_direction(trunk)) return;
     const point leaning = rotate(&upright, trunk);
     degrees[EDML_TRUNK_LEAN_FORWARD] = angle_in_plane(leaning.x, leaning.y);
     degrees[EDML_TRUNK_LEAN_RIGHT] = degrees_of(leaning.z, HYPOT(leaning.x, leaning.y));
