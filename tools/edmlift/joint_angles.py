@@ -55,17 +55,34 @@ def angles(poses: Poses, up: ArrayLike | None = None) -> dict[str, NDArray[np.fl
     return {name: found[0, n] if single else found[:, n] for n, name in enumerate(ANGLES)}
 
 
+def every(joints: ArrayLike, up: ArrayLike = LEVEL) -> NDArray[np.float32]:
+    """All angles [...,20] of joints [...,14,3], in the order of ANGLES.  A joint that is NaN was not
+    seen; joints may be anywhere and of any size."""
+    points = np.asarray(joints, float)
+    shape = points.shape[:-2]
+    flat = points.reshape(-1, *points.shape[-2:])
+    root = mid_hip(flat)[:, None]
+    flat = flat - np.where(np.isfinite(root), root, 0)
+    size = np.abs(np.where(np.isfinite(flat), flat, 0)).max((1, 2), initial=0)[:, None, None]
+    flat = (flat * (_REACH / np.maximum(size, _REACH))).astype(np.float32)
+    above = np.broadcast_to(np.asarray(up, float), (*shape, 3)).reshape(-1, 3)
+    directions = read_up(above, len(flat))
+    assert directions is not None
+    seen = np.ones(flat.shape[:2], bool)
+    return measure(load(), flat, seen, directions).reshape(*shape, len(ANGLES))
+
+
 def flexion(joints: ArrayLike) -> NDArray[np.float32]:
     """How far elbows and knees are bent [...,4], in the order of BENDING: 0 is straight, 90 a right
     angle between the bones, 180 folded.  A straight standing leg of motion capture has 3 to 10.
     NaN where a joint is NaN, or a bone has no length."""
-    return _of_joints(joints, LEVEL)[..., : len(BENDING)]
+    return every(joints, LEVEL)[..., : len(BENDING)]
 
 
 def lean(joints: ArrayLike, up: ArrayLike = LEVEL) -> NDArray[np.float32]:
     """Angle [...] of the trunk, from between the hips to the neck, with the vertical: 0 is upright,
     90 lies, 180 stands on the head."""
-    return _of_joints(joints, up)[..., ANGLES.index("trunk_lean")]
+    return every(joints, up)[..., ANGLES.index("trunk_lean")]
 
 
 def heading(joints: ArrayLike, up: ArrayLike = LEVEL) -> NDArray[np.float32]:
@@ -76,7 +93,7 @@ def heading(joints: ArrayLike, up: ArrayLike = LEVEL) -> NDArray[np.float32]:
     shoulders and hips.  NaN where that line is nearly upright, as of people who lie on a side, and
     before a camera that looks straight down.
     """
-    return _of_joints(joints, up)[..., ANGLES.index("heading")]
+    return every(joints, up)[..., ANGLES.index("heading")]
 
 
 def side_slope(joints: ArrayLike, up: ArrayLike = LEVEL) -> NDArray[np.float64]:
@@ -129,23 +146,6 @@ def measure(
     status = [c.edml_angles(*row) for row in pointers(found, given, directions)]
     found[np.array(status, int) != OK] = np.nan
     return found
-
-
-def _of_joints(joints: ArrayLike, up: ArrayLike) -> NDArray[np.float32]:
-    """Angles [...,20] of joints [...,14,3] anywhere and of any size, which are those of the pose
-    about its hips."""
-    points = np.asarray(joints, float)
-    shape = points.shape[:-2]
-    flat = points.reshape(-1, *points.shape[-2:])
-    root = mid_hip(flat)[:, None]
-    flat = flat - np.where(np.isfinite(root), root, 0)
-    size = np.abs(np.where(np.isfinite(flat), flat, 0)).max((1, 2), initial=0)[:, None, None]
-    flat = (flat * (_REACH / np.maximum(size, _REACH))).astype(np.float32)
-    above = np.broadcast_to(np.asarray(up, float), (*shape, 3)).reshape(-1, 3)
-    directions = read_up(above, len(flat))
-    assert directions is not None
-    seen = np.ones(flat.shape[:2], bool)
-    return measure(load(), flat, seen, directions).reshape(*shape, len(ANGLES))
 
 
 def _across(joints: ArrayLike) -> NDArray[np.float64]:
