@@ -56,8 +56,8 @@ def angles(poses: Poses, up: ArrayLike | None = None) -> dict[str, NDArray[np.fl
 
 
 def every(joints: ArrayLike, up: ArrayLike = LEVEL) -> NDArray[np.float32]:
-    """All angles [...,20] of joints [...,14,3], in the order of ANGLES.  A joint that is NaN was not
-    seen; joints may be anywhere and of any size."""
+    """All angles [...,20] of joints [...,14,3], in the order of ANGLES.  A joint that is NaN was
+    not seen; joints may be anywhere and of any size."""
     points = np.asarray(joints, float)
     shape = points.shape[:-2]
     flat = points.reshape(-1, *points.shape[-2:])
