@@ -1160,6 +1160,28 @@ def far_poses(count: int) -> np.ndarray:
     return joints
 
 
+@pytest.mark.parametrize("as_json_lines", [False, True])
+def test_a_pose_without_quality_is_lifted_all_the_same(as_json_lines: bool):
+    """edml_quality() refuses a joint beyond 4 m: its pose has the quality 0."""
+    options = ["--json"] if as_json_lines else []
+    lines = "\n".join(map(as_json if as_json_lines else text, far_poses(2000)))
+    plain, rated = (run(lines, *options, *more).stdout.decode() for more in ([], ["--quality"]))
+    for without, line in zip(plain.splitlines(), rated.splitlines(), strict=True):
+        whole = without.rstrip("}")
+        assert line.startswith(whole)
+        if as_json_lines:
+            found = json.loads(line)
+            joints, quality = found["joints"], found["quality"]
+        else:
+            row = line.split(",")
+            joints = [float(field) for field in row[1:43]] if row[0] == "ok" else None
+            quality = float(row[-1]) if row[0] == "ok" else None
+        if joints is None:
+            assert quality is None
+        else:
+            assert (quality == 0) == (np.abs(joints).max() >= 4)
+
+
 # ---- Angles ------------------------------------------------------------------------------------
 
 
@@ -1213,26 +1235,3 @@ def test_json_of_angles():
     assert [float(f) if f else None for f in fields] == [*found["angles"].values()]
     (few,) = objects(run(as_json(unseen(LEGS)), "--json", "--angles"))
     assert few["status"] == "too_few_joints" and few["angles"] is None
-
-
-
-@pytest.mark.parametrize("as_json_lines", [False, True])
-def test_a_pose_without_quality_is_lifted_all_the_same(as_json_lines: bool):
-    """edml_quality() refuses a joint beyond 4 m: its pose has the quality 0."""
-    options = ["--json"] if as_json_lines else []
-    lines = "\n".join(map(as_json if as_json_lines else text, far_poses(2000)))
-    plain, rated = (run(lines, *options, *more).stdout.decode() for more in ([], ["--quality"]))
-    for without, line in zip(plain.splitlines(), rated.splitlines(), strict=True):
-        whole = without.rstrip("}")
-        assert line.startswith(whole)
-        if as_json_lines:
-            found = json.loads(line)
-            joints, quality = found["joints"], found["quality"]
-        else:
-            row = line.split(",")
-            joints = [float(field) for field in row[1:43]] if row[0] == "ok" else None
-            quality = float(row[-1]) if row[0] == "ok" else None
-        if joints is None:
-            assert quality is None
-        else:
-            assert (quality == 0) == (np.abs(joints).max() >= 4)

@@ -137,7 +137,7 @@ def measure(
 ) -> NDArray[np.float32]:
     """edml_angles() [F,20] of joints [F,14,3] metres, those that were seen [F,14], up [F,3].  A
     joint that is NaN was not seen."""
-    known = np.isfinite(joints).all(-1)
+    known = np.asarray(np.isfinite(joints).all(-1))
     given = np.zeros(len(joints), POSE)
     given["joint"] = np.where(known[..., None], joints, 0)
     given["seen"] = seen_bits(seen & known)
