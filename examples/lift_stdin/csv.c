@@ -80,6 +80,7 @@ static void write_csv(const char *line, const answer *out, const options *set)
         write_fields(placed ? &out->reprojection : NULL, 1);
         write_fields(placed ? &out->focal : NULL, 1);
     }
+    if (set->angles) write_angle_fields(out, set);
     putchar('\n');
 }
 
@@ -90,6 +91,7 @@ void print_csv_header(const options *set)
     fputs(",misfit", stdout);
     if (set->quality) fputs(",quality", stdout);
     if (places(set)) fputs(",placement,root_x,root_y,root_z,reprojection,focal", stdout);
+    if (set->angles) write_angle_names();
     putchar('\n');
     fflush(stdout);
 }

@@ -21,12 +21,14 @@ static int is_named(const char *p, const char *name)
 /* A member of the object that the answer would repeat; or NULL. */
 static const char *name_of_answer(const char *object, const options *set)
 {
-    static const char *const names[] = {"status",    "joints", "misfit",       "quality",
-                                        "placement", "root",   "reprojection", "focal"};
-    enum { ALWAYS = 3, QUALITY = 3, NAMES = 8 };
+    static const char *const names[] = {"status", "joints",       "misfit", "quality", "placement",
+                                        "root",   "reprojection", "focal",  "angles"};
+    enum { ALWAYS = 3, QUALITY = 3, ANGLES = 8, NAMES = 9 };
     for (const char *p = json_first(object); p != NULL; p = json_next(json_value_of(p)))
         for (int n = 0; n < NAMES; n++)
-            if (is_named(p, names[n]) && (n < ALWAYS || (n == QUALITY ? set->quality : places(set))))
+            if (is_named(p, names[n]) && (n < ALWAYS || (n == QUALITY  ? set->quality
+                                                         : n == ANGLES ? set->angles
+                                                                       : places(set))))
                 return names[n];
     return NULL;
 }
@@ -150,6 +152,7 @@ static void write_jsonl(const char *line, const answer *out, const options *set)
     else if (set->quality)
         fputs(",\"quality\":null", stdout);
     if (places(set)) write_placement(out, lifted);
+    if (set->angles) write_angle_member(out, set);
     puts("}");
 }
 

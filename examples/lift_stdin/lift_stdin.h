@@ -29,6 +29,7 @@ typedef struct {
     float fps;                 /* ... of so many frames a second; 0: the lines have their times */
     edml_body body;            /* height 0: not given */
     int quality;               /* print it */
+    int angles;                /* print them */
     int header, json, fixed;
 } options;
 
@@ -80,6 +81,11 @@ typedef struct {
 
 extern const line_format csv, jsonl;
 void print_csv_header(const options *set);
+
+/* The angles of the pose in the answer, as columns or a member (angles.c). */
+void write_angle_names(void);
+void write_angle_fields(const answer *out, const options *set);
+void write_angle_member(const answer *out, const options *set);
 
 /* Lifts, sizes and places in integers; a coordinate that they cannot hold is not finite. */
 edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set);

@@ -49,6 +49,8 @@ static const char usage[] =
     "                  looks for the one that fits best: distances are then a guess\n"
     "  --height M      the person's standing height in metres: poses get this size\n"
     "  --quality       a field quality follows misfit: 0 to 1, the chance of a mean error under 100 mm\n"
+    "  --angles        the angles of the pose in degrees come last (docs/angles.md), empty where a joint\n"
+    "                  was not seen; with --json, a member \"angles\":{\"right_elbow_flexion\":N,...}\n"
     "  --json          lines of JSON: objects with \"keypoints\":[[x,y,c],...], where a keypoint may be\n"
     "                  [x,y], null or [null,null], and all of them null or [] where nobody is; each\n"
     "                  comes out with all its members, a bad one as well, and \"status\",\n"
@@ -267,6 +269,8 @@ options read_options(char **argv)
             set.header = 1;
         } else if (strcmp(argv[i], "--quality") == 0) {
             set.quality = 1;
+        } else if (strcmp(argv[i], "--angles") == 0) {
+            set.angles = 1;
         } else if (strcmp(argv[i], "--json") == 0) {
             set.json = 1;
         } else if (strcmp(argv[i], "--fixed") == 0) {

@@ -4,6 +4,7 @@
  *   pixels           an image coordinate
  *   confidence       of a keypoint
  *   api_real         a real as a pose holds it; TO_API and FROM_API convert
+ *   NO_ANGLE         in the place of an angle that a pose does not have
  *   IS_FINITE        is a pixel coordinate or a confidence a number, and in range?
  *   MIN_MAGNITUDE    the smallest coordinate with full relative precision
  *   PIXELS(n)        n pixels, an integer
@@ -18,6 +19,7 @@
 #define EDML_API_H
 
 #include "edmlift.h"
+#include "edmlift/angles.h"
 #include "edmlift/body.h"
 #include "edmlift/camera.h"
 #include "edmlift/many.h"
@@ -33,6 +35,7 @@ typedef float api_real;
 
 #define TO_API(a) (a)
 #define FROM_API(a) (a)
+#define NO_ANGLE NAN
 #define IS_FINITE(a) ((a) - (a) == 0.0F) /* false for NaN and infinity */
 #define MIN_MAGNITUDE 0x1p-125F          /* below, floats lose bits */
 #define PIXELS(n) n##.0F

@@ -7,6 +7,7 @@
 #define EDML_API_H
 
 #include "edmlift.h"
+#include "edmlift/angles.h"
 #include "edmlift/body.h"
 #include "edmlift/camera.h"
 #include "edmlift/fixed.h"
@@ -23,6 +24,7 @@ typedef int32_t api_real; /* Q16 */
 
 #define TO_API(a) (((a) + 128) >> 8)
 #define FROM_API(a) ((a) * 256) /* |a| < 128 */
+#define NO_ANGLE EDML_NO_ANGLE
 #define IS_FINITE(a) is_in_range_q16(a)
 #define MIN_MAGNITUDE (INT32_C(256) << 16) /* pixels: 24 bits, as many as a float has */
 #define PIXELS(n) (INT32_C(n) << 16)       /* n < 8192 */
@@ -71,6 +73,7 @@ static inline int is_in_range_q16(int32_t a) { return a > -(INT32_C(1) << 29) &&
 #define edml_fit_body edml_fit_body_q
 #define edml_quality edml_quality_q
 #define edml_stand edml_stand_q
+#define edml_angles edml_angles_q
 #define edml_joint_limits edml_joint_limits_q
 #define edml_reflect_by_joint_limits edml_reflect_by_joint_limits_q
 

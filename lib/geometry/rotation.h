@@ -5,18 +5,7 @@
 #ifndef EDML_ROTATION_H
 #define EDML_ROTATION_H
 
-#include "vector.h"
-
-/* A matrix by its rows; a rotation's are the axes of one frame in those of another. */
-typedef struct {
-    point x, y, z;
-} matrix3;
-
-static point rotate(const matrix3 *by, point p)
-{
-    const point q = {dot(by->x, p), dot(by->y, p), dot(by->z, p)};
-    return q;
-}
+#include "matrix3.h"
 
 /* The smallest rotation that brings a unit vector onto the z axis.  z.z > -1 */
 static inline matrix3 rotation_onto(point z)

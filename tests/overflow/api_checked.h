@@ -24,6 +24,7 @@ typedef int32_t api_real;
 
 #define TO_API(a) (((a) + 128).value() >> 8)
 #define FROM_API(a) (real(a) * 256)
+#define NO_ANGLE EDML_NO_ANGLE
 #define IS_FINITE(a) checked_range(a)
 #define MIN_MAGNITUDE (256 << 16)
 #define PIXELS(n) real((n) * 65536)
@@ -143,6 +144,7 @@ extern edml_status (*const checked_orientation)(edml_work_checked *work, const e
 #define edml_fit_body edml_fit_body_checked
 #define edml_quality edml_quality_checked
 #define edml_stand edml_stand_checked
+#define edml_angles edml_angles_checked
 #define edml_joint_limits edml_joint_limits_checked
 #define edml_reflect_by_joint_limits edml_reflect_by_joint_limits_checked
 

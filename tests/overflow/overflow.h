@@ -6,6 +6,7 @@
 #ifndef EDML_OVERFLOW_H
 #define EDML_OVERFLOW_H
 
+#include "edmlift/angles.h"
 #include "edmlift/body.h"
 #include "edmlift/camera.h"
 #include "edmlift/stages.h"
@@ -52,6 +53,10 @@ edml_status checked_fit_body(edml_pose_q *pose, const edml_body_q *body, checked
 edml_status checked_quality(int32_t *quality, const edml_pose_q *pose, checked_tally *tally);
 edml_status checked_stand(edml_point_q out[EDML_JOINTS], const edml_pose_q *pose, edml_point_q up,
                           checked_tally *tally);
+
+/* edml_angles_q(), and what it took. */
+edml_status checked_angles(int32_t degrees[EDML_ANGLES], const edml_pose_q *pose, const edml_point_q *up,
+                           checked_tally *tally);
 
 /* edml_joint_limits_q() and edml_reflect_by_joint_limits_q(), and what they took. */
 edml_status checked_joint_limits(int *violations, const edml_pose_q *pose, checked_tally *tally);

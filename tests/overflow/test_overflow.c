@@ -451,6 +451,17 @@ static void same_stand(const edml_pose_q *pose, edml_point_q up)
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
 }
 
+static void same_angles(const edml_pose_q *pose, const edml_point_q *up)
+{
+    checked_tally taken;
+    int32_t expected[EDML_ANGLES], found[EDML_ANGLES];
+    memset(expected, 0, sizeof expected);
+    memset(found, 0, sizeof found);
+    TEST_ASSERT_EQUAL_INT(edml_angles_q(expected, pose, up), checked_angles(found, pose, up, &taken));
+    TEST_ASSERT_SAME_BYTES(expected, found);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+}
+
 static void same_joint_limits(const edml_pose_q *pose)
 {
     checked_tally taken;
@@ -492,6 +503,9 @@ static void poses_of_any_size(void)
         same_fit_and_quality(&given, &body);
         same_stand(&given, up);
         same_joint_limits(&given);
+        same_angles(&given, n % 4 ? &up : NULL);
+        given.seen = ALL_SEEN;
+        same_angles(&given, n % 4 ? &up : NULL);
     }
 }
 

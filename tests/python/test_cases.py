@@ -8,7 +8,7 @@ from support import EXAMPLES, need_library
 
 import edmlift
 from data import cameras
-from edmlift import angles
+from edmlift import joint_angles as angles
 from edmlift.joints import INDEX, mid_hip
 from edmlift.metrics import rigid_errors
 

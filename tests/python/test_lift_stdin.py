@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from support import need_library
 
+import edmlift as package
 from edmlift import library as edmlift
 from edmlift.joints import MIRROR
 
@@ -1179,3 +1180,58 @@ def test_a_pose_without_quality_is_lifted_all_the_same(as_json_lines: bool):
             assert quality is None
         else:
             assert (quality == 0) == (np.abs(joints).max() >= 4)
+
+
+# ---- Angles ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("fixed, atol", [([], 1e-3), (["--fixed", "--model=distances_w16"], 0.2)])
+def test_angles_are_the_librarys_and_come_last(fixed: list[str], atol: float):
+    """But for the keypoints' rounding, and that of the network's input, in fixed point."""
+    need_library()
+    data = "\n".join(map(text, WALK)) + "\n"
+    up = "0.1,-1,0.2"
+    header, *table = (
+        line.split(",")
+        for line in run(data, "--angles", "--quality", "--header", f"--up={up}", *fixed)
+        .stdout.decode()
+        .splitlines()
+    )
+    names = header[COLUMNS + 1 :]
+    assert header[COLUMNS] == "quality" and tuple(names) == package.ANGLES
+    direction = [float(x) for x in up.split(",")]
+    poses = package.lift(
+        WALK, up=direction, model="distances_w16" if fixed else None, fixed=bool(fixed)
+    )
+    found = np.array([[float(x or "nan") for x in row[COLUMNS + 1 :]] for row in table])
+    expected = np.stack([*package.angles(poses, direction).values()], 1)
+    np.testing.assert_allclose(found, expected, atol=atol)
+    assert np.isnan(found).any() and not np.isnan(found).all()
+
+
+def test_angles_of_what_was_not_seen_and_of_what_is_refused_are_empty():
+    lines = "\n".join([text(unseen([4])), text(unseen(LEGS)), "bad", ""])
+    header, one, few, bad = (
+        line.split(",") for line in run(lines, "--angles", "--header").stdout.decode().splitlines()
+    )
+    assert len(header) == len(one) == len(few) == len(bad) == COLUMNS + len(package.ANGLES)
+    empty = [name for name, field in zip(header, one, strict=True) if field == ""]
+    assert "right_elbow_flexion" in empty
+    assert not {"left_elbow_flexion", "heading", "trunk_lean", "right_knee_flexion"} & {*empty}
+    assert few[0] == "too_few_joints" and bad[0] == "bad_line"
+    assert not any(few[COLUMNS:]) and not any(bad[COLUMNS:])
+
+
+def test_json_of_angles():
+    (bad,) = objects(run(as_json(WALK[0], angles=3), "--json", "--angles"))
+    assert bad["status"] == "bad_line" and bad["angles"] is None
+    (passed,) = objects(run(as_json(WALK[0], angles=3), "--json"))
+    assert passed["status"] == "ok" and passed["angles"] == 3
+    (found,) = objects(run(as_json(unseen([4])), "--json", "--angles"))
+    assert tuple(found["angles"]) == package.ANGLES
+    assert found["angles"]["right_elbow_flexion"] is None
+    (row,) = run(text(unseen([4])) + "\n", "--angles").stdout.decode().splitlines()
+    fields = row.split(",")[COLUMNS:]
+    assert [float(f) if f else None for f in fields] == [*found["angles"].values()]
+    (few,) = objects(run(as_json(unseen(LEGS)), "--json", "--angles"))
+    assert few["status"] == "too_few_joints" and few["angles"] is None

@@ -29,6 +29,7 @@
 #define edml_fit_body q24_fit_body
 #define edml_quality q24_quality
 #define edml_stand q24_stand
+#define edml_angles q24_angles
 #define edml_joint_limits q24_joint_limits
 #define edml_reflect_by_joint_limits q24_reflect_by_joint_limits
 #define edml_fconn_f32 edml_fconn_w16

@@ -12,6 +12,7 @@
 #include <unity.h>
 
 #include "edmlift.h"
+#include "edmlift/angles.h"
 #include "edmlift/body.h"
 #include "edmlift/camera.h"
 #include "edmlift/stages.h"

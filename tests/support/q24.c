@@ -339,6 +339,20 @@ edml_status q24_stand(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_p
     return status;
 }
 
+edml_status q24_angles(float degrees[EDML_ANGLES], const edml_pose *pose, const edml_point *up)
+{
+    edml_pose_q given;
+    edml_point_q upwards;
+    int32_t found[EDML_ANGLES];
+    if (pose != NULL) pose_to_q16(&given, pose);
+    if (up != NULL) upwards = point_to_q16(*up);
+    const edml_status status = edml_angles_q(degrees != NULL ? found : NULL, pose != NULL ? &given : NULL,
+                                             up != NULL ? &upwards : NULL);
+    for (int n = 0; n < EDML_ANGLES && status == EDML_OK; n++)
+        degrees[n] = found[n] == EDML_NO_ANGLE ? NAN : from_q16(found[n]);
+    return status;
+}
+
 edml_status q24_joint_limits(int *violations, const edml_pose *pose)
 {
     edml_pose_q given;

@@ -8,6 +8,7 @@
 #ifndef EDML_TEST_Q24_H
 #define EDML_TEST_Q24_H
 
+#include "edmlift/angles.h"
 #include "edmlift/body.h"
 #include "edmlift/camera.h"
 #include "edmlift/stages.h"
@@ -51,5 +52,6 @@ edml_status q24_quality(float *quality, const edml_pose *pose);
 edml_status q24_joint_limits(int *violations, const edml_pose *pose);
 edml_status q24_reflect_by_joint_limits(int *fewer, edml_pose *pose);
 edml_status q24_stand(edml_point out[EDML_JOINTS], const edml_pose *pose, edml_point up);
+edml_status q24_angles(float degrees[EDML_ANGLES], const edml_pose *pose, const edml_point *up);
 
 #endif

@@ -171,6 +171,20 @@
 #define STAND_TOLERANCE 1e-4F
 #endif
 
+/* ---- Angles, degrees ---- */
+#ifndef EDML_TEST_Q24
+#define ARCTANGENT_TOLERANCE 2e-5 /* the last place of 180 is 1.5e-5; measured 1.2e-5 */
+#define ANGLE_TOLERANCE 1e-4F
+#define ANYONE_S_ANGLE_TOLERANCE 1e-3F
+#else
+#define ARCTANGENT_TOLERANCE 1e-5     /* rounded to 2^-16: 7.6e-6; measured 9.5e-6 */
+#define ANGLE_TOLERANCE 0.02F         /* joints rounded to 2^-16, of bones of 0.2 m and more */
+#define ANYONE_S_ANGLE_TOLERANCE 0.1F /* axes and angles from a quarter of a bone each: 16 times as much */
+#endif
+#define ANGLES_LOST 5              /* of 10000: those with just a quarter of a bone in their plane */
+#define FIXED_ANGLE_TOLERANCE 0.1F /* beside float, of people: as above; measured 0.037 */
+#define FIXED_ANGLES_LOST 20       /* of 80000 */
+
 /* ---- Joint limits: poses that are counted otherwise, as a bone is at the border of a cell ---- */
 #ifndef EDML_TEST_Q24
 #define LIMITS_ROTATED 1 /* of 500; measured 0 */

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "edmlift.h"
+#include "edmlift/angles.h"
 #include "edmlift/body.h"
 #include "edmlift/camera.h"
 #include "edmlift/stages.h"
@@ -228,6 +229,46 @@ static int resize_poses_q24(void)
     return resized;
 }
 
+/* Angles of hard poses, lifted or made up, some of whose joints were not seen. */
+static int measure_poses(void)
+{
+    int measured = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint in[EDML_JOINTS];
+        edml_pose pose;
+        float degrees[EDML_ANGLES];
+        const edml_point *const up = some_up(n);
+        hard_pose(in, n);
+        if (edml_lift(&pose, in, NULL, &edml_distances_f32, &work, sizeof work) != EDML_OK) continue;
+        for (int j = 0; j < EDML_JOINTS && n % 4 == 0; j++) pose.joint[j].z = draw_float();
+        measured += edml_angles(degrees, &pose, up) == EDML_OK;
+        for (int k = 0; k < EDML_ANGLES; k++) {
+            const uint8_t there = degrees[k] >= -180; /* the bits of NaN are not the library's */
+            add_bytes(&there, sizeof there);
+            if (there) add_bytes(&degrees[k], sizeof degrees[k]);
+        }
+    }
+    return measured;
+}
+
+static int measure_poses_q24(void)
+{
+    int measured = 0;
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint_q in[EDML_JOINTS];
+        edml_pose_q pose;
+        int32_t degrees[EDML_ANGLES];
+        const edml_point_q *const up = some_up_q16(n);
+        hard_pose_q16(in, n);
+        if (edml_lift_q(&pose, in, NULL, &edml_distances_w16, &work_q24, sizeof work_q24) != EDML_OK)
+            continue;
+        for (int j = 0; j < EDML_JOINTS && n % 4 == 0; j++) pose.joint[j].z = 64 * (draw(2049) - 1024);
+        measured += edml_angles_q(degrees, &pose, up) == EDML_OK;
+        add_bytes(degrees, sizeof degrees);
+    }
+    return measured;
+}
+
 /* Entries of both signs, of one size. */
 static void decompose_matrices(void)
 {
@@ -348,6 +389,10 @@ static void report_the_rest(void)
     report("float", resize_poses(), "resized");
     start();
     report("fixed", resize_poses_q24(), "resized");
+    start();
+    report("float", measure_poses(), "measured");
+    start();
+    report("fixed", measure_poses_q24(), "measured");
     start();
     const edml_model f32 = tiny_f32(), w8 = tiny_w8();
     report_of("fconv f32", convolve(&f32), NETS, "computed");

@@ -26,6 +26,7 @@ enum {
     QUALITY,
     COUNT,
     STOOD,
+    DEGREES,
     TRACK,
     MILLIMETRES,
     POINTERS,
@@ -53,6 +54,7 @@ static struct {
     api_real quality;
     int count;
     edml_point stood[EDML_JOINTS];
+    api_real degrees[EDML_ANGLES];
     edml_track track;
     uint8_t millimetres[EDML_JOINTS];
 } memory, before;
@@ -108,6 +110,8 @@ static edml_status call_reflect(void)
 
 static edml_status call_stand(void) { return edml_stand(pointer[STOOD], pointer[POSE], memory.up); }
 
+static edml_status call_angles(void) { return edml_angles(pointer[DEGREES], pointer[POSE], pointer[UP]); }
+
 #ifndef EDML_TEST_Q24 /* in float alone */
 
 static edml_status call_track_lift(void)
@@ -141,6 +145,7 @@ static const function functions[] = {
     {"edml_joint_limits", call_joint_limits, {COUNT, POSE, NONE}},
     {"edml_reflect_by_joint_limits", call_reflect, {COUNT, POSE, NONE}},
     {"edml_stand", call_stand, {STOOD, POSE, NONE}},
+    {"edml_angles", call_angles, {DEGREES, POSE, NONE}},
 #ifndef EDML_TEST_Q24
     {"edml_track_lift", call_track_lift, {POSE, TRACK, IN, MODEL, WORK, NONE}},
     {"edml_uncertainty", call_uncertainty, {MILLIMETRES, NONE}},
@@ -172,6 +177,7 @@ static void point_to_memory(void)
     pointer[QUALITY] = &memory.quality;
     pointer[COUNT] = &memory.count;
     pointer[STOOD] = memory.stood;
+    pointer[DEGREES] = memory.degrees;
     pointer[TRACK] = &memory.track;
     pointer[MILLIMETRES] = memory.millimetres;
     work_bytes = sizeof work;
@@ -494,7 +500,8 @@ static const struct {
       {call_quality, EDML_ERR_NOT_FINITE},
       {call_joint_limits, EDML_ERR_NOT_FINITE},
       {call_reflect, EDML_ERR_NOT_FINITE},
-      {call_stand, EDML_ERR_NOT_FINITE}}},
+      {call_stand, EDML_ERR_NOT_FINITE},
+      {call_angles, EDML_ERR_NOT_FINITE}}},
     {"a pose that is a point",
      pose_is_a_point,
      {{call_place, EDML_ERR_DEGENERATE},
@@ -515,6 +522,7 @@ static const struct {
      up_is_zero,
      {
          {call_stand, EDML_ERR_DEGENERATE},
+         {call_angles, EDML_ERR_DEGENERATE},
          {call_lift, EDML_ERR_DEGENERATE},
          {call_lift_with_camera, EDML_ERR_DEGENERATE},
 #ifndef EDML_TEST_Q24
@@ -525,6 +533,7 @@ static const struct {
      up_is_no_number,
      {
          {call_stand, EDML_ERR_NOT_FINITE},
+         {call_angles, EDML_ERR_NOT_FINITE},
          {call_lift, EDML_ERR_NOT_FINITE},
          {call_lift_with_camera, EDML_ERR_NOT_FINITE},
 #ifndef EDML_TEST_Q24

@@ -12,11 +12,11 @@ away; the origin is midway between the hips; left and right are the subject's.
 """
 
 from edmlift._version import __version__
-from edmlift.angles import flexion, heading, lean
 from edmlift.body import fit_body
 from edmlift.drawing import draw
 from edmlift.files import FileError, read_keypoints, read_poses, read_truth, write_poses
 from edmlift.formats import FORMATS
+from edmlift.joint_angles import ANGLES, angles, flexion, heading, lean
 from edmlift.joints import BONES, JOINTS, MIRROR
 from edmlift.keypoints import adapt
 from edmlift.lifting import Poses, lift
@@ -29,6 +29,7 @@ from edmlift.tracking import Track, Tracked, track
 from edmlift.viewing import view
 
 __all__ = [
+    "ANGLES",
     "BONES",
     "FORMATS",
     "JOINTS",
@@ -41,6 +42,7 @@ __all__ = [
     "Tracked",
     "__version__",
     "adapt",
+    "angles",
     "draw",
     "fit_body",
     "flexion",

@@ -150,6 +150,8 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "edml_reflect_by_joint_limits*": (_STATUS, _POINTER, _POINTER),
     "edml_stand": (_STATUS, _POINTER, _POINTER, Point),
     "edml_stand_q": (_STATUS, _POINTER, _POINTER, PointQ),
+    "edml_angles*": (_STATUS, *[_POINTER] * 3),
+    "edml_angle_name": (c_char_p, c_int),
     "edml_body_frame*": (_STATUS, _POINTER, _POINTER, c_int, _POINTER),
     "edml_edm*": (_VOID, _POINTER, _POINTER),
     "edml_predict*": (_STATUS, *[_POINTER] * 4, *_WORK),

@@ -15,7 +15,6 @@ import numpy as np
 
 from edmlift._binding import JOINT_COUNT
 from edmlift._version import __version__
-from edmlift.angles import LEVEL
 from edmlift.drawing import COLUMNS, MAX_COLUMNS, draw, draw_joint_diagram, spread
 from edmlift.files import (
     BAD_LINE,
@@ -28,6 +27,7 @@ from edmlift.files import (
     read_truth,
 )
 from edmlift.formats import FORMATS, find_format
+from edmlift.joint_angles import LEVEL
 from edmlift.keypoints import read_joints
 from edmlift.lifting import Poses, lift
 from edmlift.metrics import mpjpe

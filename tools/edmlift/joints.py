@@ -32,8 +32,8 @@ PARENT = np.array([1, 1, 1, 2, 3, 1, 5, 6, 1, 8, 9, 1, 11, 12])
 # (parent, joint) of the 13 bones, in the order of edml_bones.
 BONES = tuple((int(parent), joint) for joint, parent in enumerate(PARENT) if parent != joint)
 
-# Elbows and knees in the order of angles.BENDING, each behind its shoulder or hip, and before its
-# wrist or ankle.
+# Elbows and knees in the order of joint_angles.BENDING, each behind its shoulder or hip, and before
+# its wrist or ankle.
 HINGES = ((2, 3, 4), (5, 6, 7), (8, 9, 10), (11, 12, 13))
 
 # Index of each joint's mirror image.

@@ -3,6 +3,7 @@
 from evaluation import (
     accuracy,
     adapters,
+    angles,
     body,
     camera,
     command,
@@ -20,6 +21,7 @@ from evaluation import (
 EVALUATIONS = {
     "accuracy": accuracy.EVALUATION,
     "adapters": adapters.EVALUATION,
+    "angles": angles.EVALUATION,
     "body": body.EVALUATION,
     "camera": camera.EVALUATION,
     "detections": detections.EVALUATION,

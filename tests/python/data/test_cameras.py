@@ -5,7 +5,7 @@ import pytest
 from motions import STANDING
 
 from data import cameras
-from edmlift import angles
+from edmlift import joint_angles as angles
 from edmlift import joints as skeleton
 from edmlift.joints import HINGES, INDEX, MIRROR, PARENT, mid_hip
 

@@ -1,14 +1,20 @@
 """Angles are measured as they are off, of those of whom they can be told."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from motions import STANDING, people
 from scipy.spatial.transform import Rotation
+from support import OTHERS_TEST, ROOT, TEST, need_library, need_motion
 
+from data.mocap import load_motion
 from data.views import Column, views
 from edmlift.joints import INDEX, mid_hip
 from edmlift.library import Poses
 from evaluation import angles
+from evaluation.command import by_set
+from reports import markdown
 
 UP = np.array([0.0, -1.0, 0.0])
 SUBJECT = np.repeat([1, 2], [30, 10])
@@ -17,6 +23,7 @@ SUBJECT = np.repeat([1, 2], [30, 10])
 @pytest.fixture
 def truth() -> np.ndarray:
     """People who stand before a level camera, their left knees bent by 40 degrees."""
+    need_library()
     pose = STANDING * [1, -1, 1]
     shin = Rotation.from_euler("x", 40, degrees=True).as_matrix()
     knee, ankle = INDEX["left_knee"], INDEX["left_ankle"]
@@ -88,6 +95,7 @@ def test_heading_is_of_those_who_do_not_lie_on_a_side(truth):
 
 
 def test_the_table_has_a_column_a_lifter_and_view(truth):
+    need_library()
     motion = people(24)
 
     class Exact:
@@ -101,3 +109,25 @@ def test_the_table_has_a_column_a_lifter_and_view(truth):
     head, _, *rows = text.splitlines()
     assert head.startswith("| degrees | one, gt | one, cpm | one, gt, up given | two, gt |")
     assert len(rows) == 12 and rows[1].startswith("| elbows, bias | +0.0 |")
+
+
+def test_all_angles_are_told_right_and_left_together(truth):
+    joints = truth.copy()
+    knee, ankle = INDEX["right_knee"], INDEX["right_ankle"]
+    bent = Rotation.from_euler("x", 20, degrees=True).as_matrix()
+    joints[:, ankle] = joints[:, knee] + (truth[:, ankle] - truth[:, knee]) @ bent.T
+    off = angles.every_off(joints, truth, np.tile(UP, (len(truth), 1)))
+    assert len(off) == 12 and all(len(d) == len(truth) for d in off.values())
+    assert off["knee flexion"].shape[1] == 2 and off["heading"].shape[1] == 1
+    np.testing.assert_allclose(off["knee flexion"][:, 0], 20, atol=1e-3)
+    others = np.concatenate([off[name] for name in off if name != "knee flexion"], 1)
+    np.testing.assert_allclose(others[np.isfinite(others)], 0, atol=1e-3)
+    assert np.isfinite(off["shoulder elevation"]).all() and np.isfinite(off["heading"]).all()
+
+
+def test_the_angles_of_the_page_are_measured():
+    motions = {Path(name).stem: load_motion(need_motion(name)) for name in (TEST, OTHERS_TEST)}
+    need_library()
+    figures = angles.every_by_set(angles.MODELS, motions)
+    page = ROOT / "docs" / "angles.md"
+    assert markdown.read(page, "angle_errors") == by_set(angles.report, figures)

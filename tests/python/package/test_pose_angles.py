@@ -6,7 +6,8 @@ from package_support import DATA
 from scipy.spatial.transform import Rotation
 
 import edmlift
-from edmlift import angles
+from edmlift import joint_angles as angles
+from edmlift._binding import load
 from edmlift.joints import INDEX, mid_hip, mirrored
 
 LEVEL = np.array(angles.LEVEL)
@@ -101,3 +102,67 @@ def test_shapes_are_those_of_the_poses_and_up_may_be_one_a_pose():
     assert angles.lean(walk).max() < 30 and 1 < angles.flexion(walk)[:, 2:].min() < 20
     assert np.ptp(np.unwrap(np.radians(angles.heading(walk)))) < np.radians(60)
     assert (mid_hip(walk) < 1e-3).all()
+
+
+# ---- All angles of poses -----------------------------------------------------------------------
+
+
+def test_names_are_those_of_the_c_library():
+    c = load()
+    assert [c.edml_angle_name(n).decode() for n in range(len(angles.ANGLES))] == [*angles.ANGLES]
+    assert c.edml_angle_name(len(angles.ANGLES)) == b"?"
+    assert tuple(n.removesuffix("_flexion") for n in angles.ANGLES[:4]) == angles.BENDING
+
+
+def test_angles_of_poses_are_by_name_and_nan_where_a_joint_was_not_seen():
+    keypoints = edmlift.read_keypoints(DATA / "walk.csv")[:8].copy()
+    keypoints[2, INDEX["left_wrist"], 2] = 0
+    keypoints[5, :6, 2] = 0  # too few
+    poses = edmlift.lift(keypoints, up=LEVEL)
+    found = edmlift.angles(poses, LEVEL)
+    assert tuple(found) == edmlift.ANGLES and all(a.shape == (8,) for a in found.values())
+    nan = {name: np.flatnonzero(np.isnan(a)).tolist() for name, a in found.items()}
+    assert nan["left_elbow_flexion"] == [2, 5] and nan["right_elbow_flexion"] == [5]
+    assert nan["heading"] == nan["trunk_lean"] == [5]
+    np.testing.assert_array_equal(found["trunk_lean"], edmlift.lean(poses.joints, LEVEL))
+    np.testing.assert_array_equal(found["heading"], edmlift.heading(poses.joints, LEVEL))
+    few = np.stack([found[f"{name}_flexion"] for name in angles.BENDING], -1)
+    few[2, 1] = angles.flexion(poses.joints)[2, 1]  # a guessed joint has coordinates all the same
+    np.testing.assert_array_equal(few, angles.flexion(poses.joints))
+
+
+def test_one_pose_gives_numbers_and_up_is_level_by_default():
+    pose = edmlift.Poses.of(bent(30))
+    found = edmlift.angles(pose)
+    assert np.ndim(found["heading"]) == 0
+    assert found["right_knee_flexion"] == pytest.approx(30, abs=1e-4)
+    tilt = Rotation.from_euler("x", 25, degrees=True).as_matrix()
+    tilted = edmlift.Poses.of(bent(30) @ tilt)
+    assert edmlift.angles(tilted)["trunk_lean"] == pytest.approx(25, abs=1e-4)
+    assert edmlift.angles(tilted, 3 * LEVEL @ tilt)["trunk_lean"] == pytest.approx(0, abs=1e-4)
+    with pytest.raises(ValueError, match="up must be"):
+        edmlift.angles(pose, (0, 0, 0))
+    with pytest.raises(TypeError, match="Poses"):
+        edmlift.angles(bent(30))
+
+
+def test_a_mirror_exchanges_right_and_left_angles():
+    walk = edmlift.read_truth(DATA / "walk_truth.csv")
+    found, other = (edmlift.angles(edmlift.Poses.of(x)) for x in (walk, mirrored(walk)))
+    for name, degrees in found.items():
+        side, _, rest = name.partition("_")
+        exchanged = {"right": f"left_{rest}", "left": f"right_{rest}"}.get(side, name)
+        sign = -1 if name in ("heading", "trunk_lean_right") else 1
+        np.testing.assert_allclose(other[exchanged], sign * degrees, atol=2e-3)
+
+
+def test_joints_may_be_anywhere_and_of_any_size():
+    pose = bent(40)
+    for size, place in ((1000, (0, 0, 4000)), (1e-3, (0, 0, 0)), (1, (100, -50, 3))):
+        np.testing.assert_allclose(angles.every(size * pose + place), angles.every(pose), atol=1e-3)
+
+
+def test_a_joint_that_is_nan_takes_its_own_angles_only():
+    pose = bent(40)
+    pose[INDEX["left_wrist"]] = np.nan
+    assert np.isnan(angles.every(pose)).sum() == np.isnan(angles.every(bent(40))).sum() + 1

@@ -14,9 +14,9 @@ from package_support import DATA, ROOT, WALK, need_library
 
 import edmlift
 from edmlift.__main__ import main
-from edmlift.angles import flexion, heading, lean
 from edmlift.drawing.palette import SIDES, rgb
 from edmlift.drawing.scene import level
+from edmlift.joint_angles import flexion, heading, lean
 from edmlift.viewing import pages, photographs
 from reports.browser import Page, find_browser
 

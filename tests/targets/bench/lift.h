@@ -29,3 +29,7 @@ static edml_pose out;
 static work_memory work;
 
 STAGE stage_lift(void) { edml_lift(&out, in, NULL, &MODEL, &work, sizeof work); }
+
+/* What follows the lift, where it is asked for. */
+static api_real degrees[EDML_ANGLES];
+STAGE stage_angles(void) { edml_angles(degrees, &out, NULL); }

@@ -1,4 +1,5 @@
-/* The smallest program that lifts: what it links is what a lift takes of the flash.
+/* The smallest program that lifts: what it links is what a lift takes of the flash.  With -DPART=stage_angles
+ * an optional part follows.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,5 +8,8 @@
 int main(void)
 {
     stage_lift();
+#ifdef PART
+    PART();
+#endif
     return out.seen;
 }

@@ -102,6 +102,7 @@ static const struct {
     {"fuse", stage_fuse, 0, 0},
     {"lift", stage_lift, 0, 0},
     {"place", stage_place, 0, 0},
+    {"angles", stage_angles, 0, 0},
 };
 enum { STAGES = (int)(sizeof stages / sizeof stages[0]) };
 

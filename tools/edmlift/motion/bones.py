@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from edmlift.angles import unit
+from edmlift.joint_angles import unit
 from edmlift.joints import INDEX, JOINTS, mid_hip
 
 _F64 = NDArray[np.float64]

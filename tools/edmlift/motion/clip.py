@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from edmlift.angles import unit
+from edmlift.joint_angles import unit
 from edmlift.joints import INDEX, mid_hip
 from edmlift.keypoints import read_up
 from edmlift.lifting import Poses, batched

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from edmlift.angles import LEVEL
+from edmlift.joint_angles import LEVEL
 from edmlift.keypoints import image_size
 from edmlift.lifting import Poses, batched
 from edmlift.viewing.pages import page_of

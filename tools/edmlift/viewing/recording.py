@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from edmlift.angles import flexion, heading, lean
 from edmlift.drawing.palette import SIDE_NAMES
 from edmlift.drawing.scene import DRAWN, JOINT_SIDE
+from edmlift.joint_angles import flexion, heading, lean
 from edmlift.joints import JOINTS
 from edmlift.keypoints import read_up
 from edmlift.lifting import Poses
