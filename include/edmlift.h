@@ -67,8 +67,10 @@ const char *edml_joint_name(int joint); /* "right_shoulder"; "?" when out of ran
 typedef struct {
     float x, y; /* pixels, y down; any scale and offset, while the person spans at least 4096 ulp of the
                    largest coordinate */
-    float c;    /* confidence; c <= 0: the joint was not seen, and x and y are ignored.  A joint counts as
-                   seen however small c is: set it to 0 below the detector's threshold, usually 0.3 */
+    float c;    /* confidence; c <= 0: the joint was not seen, and x and y are ignored, NaN as well.  A joint
+                   counts as seen however small c is, and 0, 0 is a place like any other.  So set c to 0 below
+                   the detector's threshold, where x or y is NaN, outside the image, and at exactly 0, 0 or
+                   -1, -1, by which detectors mark what they did not find */
 } edml_keypoint;
 
 typedef struct {
@@ -143,12 +145,19 @@ edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], cons
 
 /* ---- Detectors' keypoints ----------------------------------------------------------------------- */
 
+/* What x and y are as the detector gives them, and how they become the pixels that edml_adapt() takes. */
+enum {
+    EDML_NOT_NORMALISED, /* pixels */
+    EDML_BY_IMAGE,       /* x over the image's width, y over its height: multiply each by its own */
+    EDML_BY_SQUARE       /* y comes before x, both over the longer side S of the image, which was padded to a
+                            square about its middle: x S - (S - width) / 2, y S - (S - height) / 2 */
+};
+
 /* Which of a detector's keypoints are the joints above, by index; EDML_NO_KEYPOINT: none of them. */
 typedef struct {
     const char *name;              /* "coco17" */
     uint8_t keypoints;             /* how many there are */
-    uint8_t normalised;            /* 1: x is divided by the image's width and y by its height, as the
-                                      detector gives them; multiply them first */
+    uint8_t normalised;            /* EDML_NOT_NORMALISED, EDML_BY_IMAGE or EDML_BY_SQUARE */
     uint8_t limb[EDML_JOINTS - 2]; /* the joints from EDML_R_SHOULDER on */
     uint8_t ears[2];               /* left, right */
     uint8_t face[3];               /* left eye, right eye, nose */
@@ -157,8 +166,7 @@ typedef struct {
 
 enum { EDML_NO_KEYPOINT = 255 };
 
-extern const edml_format edml_coco17; /* YOLO-pose, PoseNet, ViTPose, RTMPose body; also MoveNet, once y and
-                                         x are exchanged and multiplied by the side of its square input */
+extern const edml_format edml_coco17, edml_movenet17; /* YOLO-pose, PoseNet, ViTPose, RTMPose body; MoveNet */
 extern const edml_format edml_body25, edml_body25b, edml_coco18, edml_mpi15; /* OpenPose */
 extern const edml_format edml_halpe26, edml_blazepose33;                     /* RTMPose body26; MediaPipe */
 extern const edml_format edml_cpm14, edml_mpii16, edml_lsp14, edml_crowdpose14, edml_aic14;

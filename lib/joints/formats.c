@@ -14,10 +14,12 @@
     {NO, NO}, { NO, NO, NO }
 #define COCO_LIMBS {6, 8, 10, 5, 7, 9, 12, 14, 16, 11, 13, 15}
 #define COCO_FACE {3, 4}, {1, 2, 0}
+#define BLAZEPOSE_LIMBS {12, 14, 16, 11, 13, 15, 24, 26, 28, 23, 25, 27}
 #define MPI_LIMBS {2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}
 
-/* Name, keypoints, normalised or not, limb, ears, face, crown, centre. */
+/* Name, keypoints, normalised by what, limb, ears, face, crown, centre. */
 const edml_format edml_coco17 = {"coco17", 17, 0, COCO_LIMBS, COCO_FACE, NO, NO};
+const edml_format edml_movenet17 = {"movenet17", 17, EDML_BY_SQUARE, COCO_LIMBS, COCO_FACE, NO, NO};
 const edml_format edml_body25 = {"body25", 25,          0,  {2, 3, 4, 5, 6, 7, 9, 10, 11, 12, 13, 14},
                                  {18, 17}, {16, 15, 0}, NO, NO};
 const edml_format edml_body25b = {"body25b", 25, 0, COCO_LIMBS, COCO_FACE, 18, NO};
@@ -32,7 +34,7 @@ const edml_format edml_h36m17_right_first = {
 const edml_format edml_h36m17_left_first = {
     "h36m17_left_first", 17, 0, {14, 15, 16, 11, 12, 13, 4, 5, 6, 1, 2, 3}, NO_FACE, NO, 10};
 const edml_format edml_blazepose33 = {
-    "blazepose33", 33, 1, {12, 14, 16, 11, 13, 15, 24, 26, 28, 23, 25, 27}, {7, 8}, {2, 5, 0}, NO, NO};
+    "blazepose33", 33, EDML_BY_IMAGE, BLAZEPOSE_LIMBS, {7, 8}, {2, 5, 0}, NO, NO};
 const edml_format edml_halpe26 = {"halpe26", 26, 0, COCO_LIMBS, COCO_FACE, 17, NO};
 const edml_format edml_crowdpose14 = {"crowdpose14", 14, 0, {1, 3, 5, 0, 2, 4, 7, 9, 11, 6, 8, 10},
                                       NO_FACE,       12, NO};
@@ -40,6 +42,7 @@ const edml_format edml_aic14 = {"aic14", 14, 0, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 1
 
 const edml_format *const edml_formats[] = {
     &edml_coco17,
+    &edml_movenet17,
     &edml_body25,
     &edml_body25b,
     &edml_coco18,

@@ -30,6 +30,8 @@ static const struct {
 } lists[] = {
     /* mmpose coco.py; tfjs-models pose-detection */
     {&edml_coco17, {COCO}},
+    /* google-research movenet; tfhub movenet/singlepose */
+    {&edml_movenet17, {COCO}},
     /* openpose poseParameters.cpp */
     {&edml_body25,
      {OPENPOSE_ARMS, "mid_hip", LEGS, OPENPOSE_FACE, "left_big_toe", "left_small_toe", "left_heel",
@@ -132,10 +134,15 @@ static void every_format_is_found_by_its_name_and_no_other(void)
     TEST_ASSERT_NULL(edml_format_find("coco177"));
 }
 
-static void only_blazepose_is_normalised(void)
+static void blazepose_is_normalised_by_the_image_and_movenet_by_a_square(void)
 {
-    for (int n = 0; edml_formats[n] != NULL; n++)
-        TEST_ASSERT_EQUAL_INT(edml_formats[n] == &edml_blazepose33, edml_formats[n]->normalised);
+    for (int n = 0; edml_formats[n] != NULL; n++) {
+        const edml_format *format = edml_formats[n];
+        const int expected = format == &edml_blazepose33 ? EDML_BY_IMAGE
+                             : format == &edml_movenet17 ? EDML_BY_SQUARE
+                                                         : EDML_NOT_NORMALISED;
+        TEST_ASSERT_EQUAL_INT(expected, format->normalised);
+    }
 }
 
 /* ---- A figure in a T ----------------------------------------------------------------------------- */
@@ -476,7 +483,7 @@ int main(void)
     RUN_TEST(every_index_is_the_keypoint_of_that_name);
     RUN_TEST(the_number_of_keypoints_is_that_of_the_list);
     RUN_TEST(every_format_is_found_by_its_name_and_no_other);
-    RUN_TEST(only_blazepose_is_normalised);
+    RUN_TEST(blazepose_is_normalised_by_the_image_and_movenet_by_a_square);
     RUN_TEST(limbs_are_copied_bit_for_bit);
     RUN_TEST(the_neck_is_12_percent_down_the_trunk);
     RUN_TEST(without_a_hip_the_neck_is_between_the_shoulders);
