@@ -5,6 +5,8 @@ from collections.abc import Iterator, Mapping
 
 from edmlift._binding import Format, load
 
+NOT_NORMALISED, BY_IMAGE, BY_SQUARE = range(3)  # edml_format.normalised
+
 
 class _Formats(Mapping[str, int]):
     """Read from the library when first asked, so that importing the package does not need it."""
@@ -42,3 +44,8 @@ def _formats(c: ctypes.CDLL) -> dict[str, Format]:
         entry = listed[len(known)].contents
         known[entry.name.decode()] = entry
     return known
+
+
+def formats_with(keypoints: int) -> list[str]:
+    """The names of the formats that have so many keypoints."""
+    return [name for name, count in FORMATS.items() if count == keypoints]

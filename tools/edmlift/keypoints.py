@@ -9,45 +9,50 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from edmlift._binding import JOINT_COUNT, KEYPOINT_Q, Format, load, pointer
-from edmlift.formats import FORMATS, find_format
+from edmlift.formats import BY_SQUARE, FORMATS, find_format
+from edmlift.joints import MIRROR
 
 MAX_PROPORTION = 10.0  # of the image's size, that a keypoint outside the image may have
+DETECTOR_THRESHOLD = 0.2  # the default for a detector's scores: docs/detectors.md says why
 
 
 def adapt(
     keypoints: ArrayLike,
     format: str,
     *,
-    threshold: float = 0.0,
+    threshold: float | None = None,
     image: tuple[float, float] | None = None,
+    mirrored: bool = False,
 ) -> NDArray[np.float32]:
     """A detector's keypoints to the 14 joints: [F,K,2 or 3] -> [F,14,3], [K,2 or 3] -> [14,3].
 
-    keypoints, threshold and image are as in `lift`.  Limbs are copied; head and neck are put where
-    the models have them, with half the least confidence of what they are made of.
+    keypoints, threshold, image and mirrored are as in `lift`.  Limbs are copied; head and neck are
+    put where the models have them, with half the least confidence of what they are made of.
     """
-    given, single = read_keypoints(keypoints, format, threshold, image)
-    joints = adapt_joints(load(), given, find_format(format))
+    joints, single = read_joints(keypoints, format, threshold, image, mirrored)
     return joints[0] if single else joints
 
 
 def read_joints(
     keypoints: ArrayLike,
     format: str | None = None,
-    threshold: float = 0.0,
+    threshold: float | None = None,
     image: tuple[float, float] | None = None,
+    mirrored: bool = False,
 ) -> tuple[NDArray[np.float32], bool]:
     """The joints [F,14,3] that `lift` is to take, and whether one pose was given without F."""
     given, single = read_keypoints(keypoints, format, threshold, image)
+    if mirrored:
+        given = unmirrored(given, image)
     if format is not None:
         given = adapt_joints(load(), given, find_format(format))
-    return given, single
+    return (given[:, MIRROR] if mirrored else given), single
 
 
 def read_keypoints(
     keypoints: ArrayLike,
     format: str | None,
-    threshold: float,
+    threshold: float | None,
     image: tuple[float, float] | None,
 ) -> tuple[NDArray[np.float32], bool]:
     """Keypoints [F,K,3] in pixels, c 0 where not seen, and whether one pose was given without F."""
@@ -56,11 +61,28 @@ def read_keypoints(
     array = _numbers(keypoints)
     if array.ndim not in (2, 3) or array.shape[-2] != count or array.shape[-1] not in (2, 3):
         raise ValueError(_wrong_shape(array.shape, format, count))
+    single = array.ndim == 2
+    seen = _with_confidence(array[None] if single else array, _threshold(threshold, format))
+    return _in_pixels(seen, layout, image), single
+
+
+def unmirrored(
+    keypoints: NDArray[np.float32], image: tuple[float, float] | None
+) -> NDArray[np.float32]:
+    """Keypoints in pixels with x as it was before the mirror; the names of sides stay."""
+    width = 0.0 if image is None else image_size(image)[0]
+    given = keypoints.copy()
+    given[..., 0] = np.float32(width) - given[..., 0]
+    return given
+
+
+def _threshold(threshold: float | None, format: str | None) -> float:
+    """What was given, checked, or the default."""
+    if threshold is None:
+        return 0.0 if format is None else DETECTOR_THRESHOLD
     if not (isinstance(threshold, Real) and math.isfinite(threshold) and threshold >= 0):
         raise ValueError(f"threshold must be a finite number >= 0, not {threshold}")
-    single = array.ndim == 2
-    seen = _with_confidence(array[None] if single else array, threshold)
-    return _in_pixels(seen, layout, image), single
+    return float(threshold)
 
 
 def _numbers(keypoints: ArrayLike) -> NDArray[np.float32]:
@@ -86,20 +108,25 @@ def _wrong_shape(shape: tuple[int, ...], format: str | None, count: int) -> str:
 
 
 def _with_confidence(array: NDArray[np.float32], threshold: float) -> NDArray[np.float32]:
-    """[F,K,3]: c is 1 where none was given, 0 up to the threshold and where x or y is NaN."""
+    """[F,K,3]: c is 1 where none was given, and 0 for what was not seen: up to the threshold or
+    NaN, or at a place that detectors write for nothing: NaN, 0,0 or -1,-1."""
+    at = array[..., :2]
+    nowhere = np.isnan(at).any(-1)
+    unseen = nowhere | (at == 0).all(-1) | (at == -1).all(-1)
     if array.shape[-1] == 2:
         array = np.concatenate([array, np.ones_like(array[..., :1])], -1)
-    missing = np.isnan(array[..., :2]).any(-1)
-    confidence = array[..., 2]
-    array[missing | (np.isfinite(confidence) & (confidence <= threshold)), 2] = 0
-    array[missing, :2] = 0
+    else:
+        array = array.copy()
+        unseen |= ~(array[..., 2] > np.float32(threshold))
+    array[unseen, 2] = 0
+    array[nowhere, :2] = 0
     return array
 
 
 def _in_pixels(
     keypoints: NDArray[np.float32], layout: Format | None, image: tuple[float, float] | None
 ) -> NDArray[np.float32]:
-    """Keypoints in pixels; those outside the image, where it is known, are not seen."""
+    """Keypoints in pixels, x first; those outside the image, where it is known, are not seen."""
     if layout is None or not layout.normalised:
         return keypoints if image is None else _inside(keypoints, image_size(image))
     name = layout.name.decode()
@@ -109,21 +136,37 @@ def _in_pixels(
             "image=(width, height)"
         )
     size = image_size(image)
-    seen = keypoints[keypoints[..., 2] > 0]
-    if (np.abs(seen[:, :2]) > MAX_PROPORTION).any():
+    if look_like_pixels(keypoints).any():
         raise ValueError(
             f"keypoints of format {name!r} are normalised, 0 to 1 within the image, not in pixels"
         )
+    if layout.normalised == BY_SQUARE:
+        return _inside(_from_square(keypoints, size), size)
     return _inside(keypoints, (1.0, 1.0)) * np.array([*size, 1], np.float32)
+
+
+def look_like_pixels(keypoints: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """[F]: has a seen keypoint of [F,K,3], in shares of an image, a place far outside of it?"""
+    far = (np.abs(keypoints[..., :2]) > MAX_PROPORTION).any(-1)
+    return np.asarray((far & (keypoints[..., 2] > 0)).any(-1))
+
+
+def _from_square(keypoints: NDArray[np.float32], size: tuple[float, float]) -> NDArray[np.float32]:
+    """y, x, c in shares of the square that an image of this size was padded to -> x, y, c."""
+    side = max(size)
+    padding = np.array([(side - edge) / 2 for edge in size], np.float32)
+    given = keypoints.copy()
+    given[..., :2] = keypoints[..., 1::-1] * np.float32(side) - padding
+    return given
 
 
 def _inside(keypoints: NDArray[np.float32], size: tuple[float, float]) -> NDArray[np.float32]:
     """The same with confidence 0 for what is outside an image of this size: detectors invent limbs
     there, and are sure of them."""
     at = keypoints[..., :2]
-    outside = (np.isfinite(at) & ((at < 0) | (at > np.array(size, np.float32)))).any(-1)
+    outside = ((at < 0) | (at > np.array(size, np.float32))).any(-1)
     inside = keypoints.copy()
-    inside[outside & np.isfinite(keypoints[..., 2]), 2] = 0
+    inside[outside & np.isfinite(keypoints).all(-1), 2] = 0  # else the lift refuses it
     return inside
 
 

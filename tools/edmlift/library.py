@@ -20,10 +20,10 @@ from edmlift._binding import (
 from edmlift.body import fit_joints
 from edmlift.formats import find_format
 from edmlift.keypoints import adapt_joints, read_camera, read_up, to_q16
-from edmlift.lifting import Poses, lift_joints, lift_joints_q
+from edmlift.lifting import Poses, lift_joints, lift_joints_q, quality_of
 from edmlift.networks import NAMES, find_model
 from edmlift.placing import Placements, place_joints, place_joints_by_sweep, stand_joints
-from edmlift.plausibility import quality_of, reflect, uncertainty_of, violations_of
+from edmlift.plausibility import reflect, uncertainty_of, violations_of
 from edmlift.stages import Stages
 from edmlift.tracking import Tracked, TrackedFrames
 

@@ -1,10 +1,11 @@
 """2D joints in, 3D poses out."""
 
+import ctypes
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from ctypes import c_int
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from edmlift._binding import JOINT_COUNT, OK, POSE, POSE_Q, load, pointer
 from edmlift.formats import find_format
+from edmlift.joints import MIRROR
 from edmlift.keypoints import (
     adapt_joints,
     adapt_joints_q,
@@ -23,12 +25,15 @@ from edmlift.keypoints import (
     refusable,
     seen_bits,
     to_q16,
+    unmirrored,
     up_q,
 )
+from edmlift.mistakes import likely_mistakes
 from edmlift.networks import Model, find_model
 
 _WORTH_A_THREAD = {"fconv": 2}  # poses, by the model's name without its weights; of others ...
 _WORTH_ONE = 200
+_WORTH_A_LOOK = 1000  # poses, spread over a run, that tell a mistake
 _Record = TypeVar("_Record")
 
 
@@ -41,6 +46,8 @@ class Poses:
     status: NDArray[np.str_]  # [F] "ok", or why there is no pose
     seen: NDArray[np.bool_]  # [F,14] in the image
     keypoints: NDArray[np.float32]  # [F,14,3] pixels and confidence that the poses come from
+    # Likely mistakes in what was given, each with what to do; none is certain.
+    warnings: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __repr__(self) -> str:
         return summary(self)
@@ -78,54 +85,78 @@ def lift(
     up: ArrayLike | None = None,
     *,
     format: str | None = None,
-    threshold: float = 0.0,
+    threshold: float | None = None,
     image: tuple[float, float] | None = None,
     camera: ArrayLike | None = None,
+    mirrored: bool = False,
     fixed: bool = False,
 ) -> Poses:
     """Lifts 2D poses to 3D (the paper's section 3).
 
     keypoints  [F,K,2] x and y, or [F,K,3] with a confidence; or one pose without F.  Pixels, y
-               down, of any size and offset.  [.., 2] means that all were seen.  NaN in x or y
-               means not seen.
+               down, of any size and offset.  [.., 2] means that all were seen, but for NaN in x or
+               y, and for 0,0 and -1,-1 exactly, which detectors write for what they have not found
     model      one of `models()`; default "distances_f32", with `fixed` "distances_w16"
     up         where upwards is in the camera's axes, of any length, [3] or one a pose [F,3], as an
                accelerometer at rest measures it; (0, -1, 0) is a level camera.  Default: not known
     format     the detector's keypoint order, one of FORMATS, such as "coco17".  Default: K is 14
                and the keypoints are JOINTS, as `adapt` returns them.
-    threshold  a confidence up to this counts as not seen.  Default 0, as in the C library: a low
-               confidence of a detector that guesses well is worth having.  For one whose unseen
-               keypoints lie anywhere (MoveNet, PoseNet), 0.3 is usual.
+    threshold  a confidence up to this counts as not seen, as do NaN and what is negative.  Default:
+               0.2 with a format, whose models mostly guess below it; 0 without
     image      (width, height) in pixels: keypoints outside are not seen, whatever the detector
-               invents there.  "blazepose33", whose keypoints are normalised by it, needs it
+               invents there.  "blazepose33" and "movenet17", which are normalised by it, need it
     camera     fx, fy, cx, cy in pixels, or the 3x3 matrix, of a camera without distortion, if it is
                known: people off its axis are then lifted as if it looked at them, and do not come
                out turned
+    mirrored   the picture is a mirror image, as selfie cameras show it: x becomes width - x (-x
+               without `image`), and right and left are exchanged
     fixed      lift in fixed point, to the bits of a core without an FPU; coordinates within 8192
 
     Returns Poses; one pose for one.  A pose that cannot be lifted has a status and NaN:
-    "too_few_joints" (fewer than 10 seen), "not_finite", "degenerate" (on a point or a line, or
-    like no person), "camera" (that camera cannot have seen it).  ValueError: the arguments are
-    wrong.
+    "too_few_joints" (fewer than 10 seen), "not_finite" (infinity), "degenerate" (on a point or a
+    line, or like no person), "camera" (that camera cannot have seen it).  What looks like a mistake
+    in five poses or more is in `Poses.warnings`.  ValueError: the arguments are wrong.
     """
     chosen = find_model(model, fixed)
     given, single = read_keypoints(keypoints, format, threshold, image)
     layout = None if format is None else find_format(format)
     directions = read_up(up, len(given))
     intrinsics = None if camera is None else read_camera(camera)
+    if mirrored and camera is not None and image is None:
+        raise ValueError("mirrored= with camera= needs image=(width, height)")
+    seen = unmirrored(given, image) if mirrored else given
+    sides = MIRROR if mirrored else slice(None)
     if fixed:
-        given_q = to_q16(refusable(given))
+        given_q = to_q16(refusable(seen))
         joints_q = given_q if layout is None else adapt_joints_q(load(), given_q, layout)
-        poses = lift_joints_q(chosen, joints_q, directions, intrinsics)
+        poses = lift_joints_q(chosen, joints_q[:, sides], directions, intrinsics)
     else:
-        joints = given if layout is None else adapt_joints(load(), given, layout)
-        poses = lift_joints(chosen, joints, directions, intrinsics)
-    return first(poses) if single else poses
+        joints = seen if layout is None else adapt_joints(load(), seen, layout)
+        poses = lift_joints(chosen, joints[:, sides], directions, intrinsics)
+    if single:
+        return first(poses)
+    return replace(poses, warnings=_warnings(poses, given, format))
+
+
+def _warnings(poses: Poses, given: NDArray[np.float32], format: str | None) -> tuple[str, ...]:
+    """Likely mistakes in the keypoints [F,K,3] that poses were lifted from."""
+    spread = slice(None, None, 1 + int(poses.ok.sum()) // _WORTH_A_LOOK)
+    lifted = picked(poses, np.flatnonzero(poses.ok)[spread])
+    return likely_mistakes(
+        lifted.keypoints, quality_of(load(), lifted), given[poses.ok][spread], format
+    )
 
 
 def first(record: _Record) -> _Record:
     """The first pose of a record of arrays, without the leading axis."""
-    return replace(record, **{f.name: getattr(record, f.name)[0] for f in fields(record)})  # type: ignore[type-var, arg-type]
+    return picked(record, 0)
+
+
+def picked(record: _Record, which: Any) -> _Record:
+    """Some of the poses of a record of arrays; what is no array, such as warnings, stays."""
+    parts = ((f.name, getattr(record, f.name)) for f in fields(record))  # type: ignore[arg-type]
+    chosen = {name: part[which] for name, part in parts if isinstance(part, np.ndarray)}
+    return replace(record, **chosen)  # type: ignore[type-var]
 
 
 def summary(record: Any) -> str:
@@ -143,8 +174,9 @@ def batched(poses: Poses) -> tuple[Poses, bool]:
     single = poses.joints.ndim == 2
     if not single:
         return poses, False
-    parts = {f.name: np.asarray(getattr(poses, f.name))[None] for f in fields(poses)}
-    return replace(poses, **parts), True
+    parts = {f.name: getattr(poses, f.name) for f in fields(poses) if f.name != "warnings"}
+    arrays: dict[str, Any] = {name: np.asarray(part)[None] for name, part in parts.items()}
+    return replace(poses, **arrays), True
 
 
 # ---- For the library, unchecked ----------------------------------------------------------------
@@ -247,6 +279,16 @@ def c_poses(poses: Poses) -> NDArray[np.void]:
     given["joint"], given["misfit"] = poses.joints, poses.misfit
     given["seen"] = seen_bits(poses.seen)
     return given
+
+
+def quality_of(c: ctypes.CDLL, poses: Poses) -> NDArray[np.float32]:
+    """edml_quality() [F]; NaN where there is no pose."""
+    found = np.full(len(poses.joints), np.nan, np.float32)
+    given = c_poses(poses)
+    for row in pointers(found, given):
+        c.edml_quality(*row)
+    found[~poses.ok] = np.nan
+    return found
 
 
 def pointers(*arrays: NDArray[Any]) -> list[list[int]]:

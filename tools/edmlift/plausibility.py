@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from edmlift._binding import OK, POSE_Q, load
 from edmlift.keypoints import seen_bits
-from edmlift.lifting import Poses, batched, c_poses, first, pointers
+from edmlift.lifting import Poses, batched, c_poses, first, pointers, quality_of
 
 
 def quality(poses: Poses) -> NDArray[np.float32]:
@@ -49,16 +49,6 @@ def reflect_by_joint_limits(poses: Poses) -> tuple[Poses, NDArray[np.float32]]:
 
 
 # ---- For the library, unchecked ----------------------------------------------------------------
-
-
-def quality_of(c: ctypes.CDLL, poses: Poses) -> NDArray[np.float32]:
-    """edml_quality() [F]; NaN where there is no pose."""
-    found = np.full(len(poses.joints), np.nan, np.float32)
-    given = c_poses(poses)
-    for row in pointers(found, given):
-        c.edml_quality(*row)
-    found[~poses.ok] = np.nan
-    return found
 
 
 def uncertainty_of(c: ctypes.CDLL, seen: NDArray[np.bool_]) -> NDArray[np.float32]:

@@ -1,6 +1,6 @@
 """One person in a video: lifts its frames, each made steady by those before."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from edmlift._binding import OK, POSE, TRACK, pointer
 from edmlift.keypoints import from_bits, read_joints, read_up
 from edmlift.lifting import Poses, first, pointers, to_poses
+from edmlift.mistakes import wrong_unit_of_time
 from edmlift.networks import Model, find_model
 
 _ARMS, _LEGS = 1, 2  # EDML_SWAPPED_ARMS, EDML_SWAPPED_LEGS
@@ -31,10 +32,10 @@ class Track:
         for keypoints, time_ms in frames:
             pose = track.lift(keypoints, time_ms)
 
-    model, format, threshold and image are as in `lift`.  smooth_image and smooth_space are
-    (cutoff in Hz, slope) of the one-euro filters of keypoints and poses, by default as measured;
-    jitter_full is the jitter of keypoints, in body sizes, at and above which these filters
-    act in full (0: always).  docs/video.md has what they give.
+    model, format, threshold, image and mirrored are as in `lift`.  smooth_image and smooth_space
+    are (cutoff in Hz, slope) of the one-euro filters of keypoints and poses, by default as
+    measured; jitter_full is the jitter of keypoints, in body sizes, at and above which these
+    filters act in full (0: always).  docs/video.md has what they give.
     """
 
     def __init__(
@@ -42,14 +43,15 @@ class Track:
         model: str | None = None,
         *,
         format: str | None = None,
-        threshold: float = 0.0,
+        threshold: float | None = None,
         image: tuple[float, float] | None = None,
+        mirrored: bool = False,
         smooth_image: tuple[float, float] | None = None,
         smooth_space: tuple[float, float] | None = None,
         jitter_full: float | None = None,
     ):
         self._frames = TrackedFrames(find_model(model))
-        self._format, self._threshold, self._image = format, threshold, image
+        self._given = (format, threshold, image, mirrored)
         state = self._frames.state
         if smooth_image is not None:
             state["smooth_image"] = smooth_image
@@ -69,7 +71,7 @@ class Track:
         Statuses besides those of `edmlift.lift`: "time" (not later than the frame before, or by
         more than 24 days) and "argument" (settings out of range); the track is then as before.
         """
-        joints, single = read_joints(keypoints, self._format, self._threshold, self._image)
+        joints, single = read_joints(keypoints, *self._given)
         times = np.atleast_1d(np.asarray(time_ms))
         tracked = self._frames.lift(joints, times, read_up(up, len(joints)))
         return first(tracked) if single else tracked
@@ -83,8 +85,9 @@ def track(
     model: str | None = None,
     up: ArrayLike | None = None,
     format: str | None = None,
-    threshold: float = 0.0,
+    threshold: float | None = None,
     image: tuple[float, float] | None = None,
+    mirrored: bool = False,
 ) -> Tracked:
     """Lifts a whole video of one person: keypoints [F,K,2 or 3], as in `lift`, at so many frames a
     second or at times [F] in milliseconds.  `Track` takes the frames as they come, and settings."""
@@ -92,12 +95,13 @@ def track(
         raise ValueError("track() takes either fps= or time_ms=")
     if fps is not None and not (np.isfinite(fps) and 0 < fps <= 1000):
         raise ValueError(f"fps must be over 0 and at most 1000, not {fps}")
-    joints, single = read_joints(keypoints, format, threshold, image)
+    joints, single = read_joints(keypoints, format, threshold, image, mirrored)
     if single:
         raise ValueError("track() takes frames [F,K,2] or [F,K,3], not one; Track takes one")
     times = time_ms if fps is None else np.arange(len(joints)) * 1000 / fps
     directions = read_up(up, len(joints))
-    return TrackedFrames(find_model(model)).lift(joints, np.asarray(times), directions)
+    tracked = TrackedFrames(find_model(model)).lift(joints, np.asarray(times), directions)
+    return replace(tracked, warnings=wrong_unit_of_time(np.asarray(times)))
 
 
 # ---- For the library, unchecked ----------------------------------------------------------------

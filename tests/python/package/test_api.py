@@ -76,8 +76,32 @@ def test_one_pose_gives_one_pose():
 
 def test_without_confidences_all_are_seen():
     same(edmlift.lift(WALK[..., :2]), edmlift.lift(WALK))
-    corner = WALK[:1, :, :2] - WALK[:1, 3:4, :2]  # the right elbow at 0, 0
+    corner = WALK[:1, :, :2] - WALK[:1, 3:4, :2] + [0, 0.5]  # the right elbow at 0, 0.5
     assert edmlift.lift(corner).seen.all()
+
+
+@pytest.mark.parametrize("fixed", [False, True])
+@pytest.mark.parametrize("nothing", [0, -1, np.nan])
+def test_what_detectors_write_for_nothing_was_not_seen(nothing: float, fixed: bool):
+    """Whatever the confidence, of joints and of a detector's keypoints."""
+    missing = WALK[:3].copy()
+    missing[:, 3, 2] = 0
+    zeros = WALK[:3].copy()
+    zeros[:, 3, :2] = nothing
+    for columns in (2, 3):
+        found = edmlift.lift(zeros[..., :columns], fixed=fixed)
+        wanted = edmlift.lift(missing, fixed=fixed)
+        np.testing.assert_array_equal(found.joints, wanted.joints)
+        assert found.ok.all() and not found.seen[:, 3].any()
+    detected = coco17(WALK[:3])
+    detected[:, 8, :2] = nothing  # the right elbow
+    assert not edmlift.lift(detected, format="coco17", fixed=fixed).seen[:, 3].any()
+
+
+def test_one_coordinate_of_0_is_a_place():
+    moved = WALK[:1] - [*WALK[0, 3, :2], 0]
+    assert edmlift.lift(moved + [0, 1, 0]).seen.all() and edmlift.lift(moved + [1, 0, 0]).seen.all()
+    assert edmlift.lift(moved - [1, 0, 0]).seen.all()
 
 
 def test_lists_and_integers_will_do():
@@ -154,14 +178,26 @@ def test_numbers_beyond_float_are_not_finite():
 
 
 @pytest.mark.parametrize("fixed", [False, True])
-@pytest.mark.parametrize("confidence", [np.nan, np.inf, -np.inf])
-def test_a_confidence_that_is_not_finite_is_refused(confidence: float, fixed: bool):
+def test_an_infinite_confidence_is_refused(fixed: bool):
     keypoints = WALK[:1].copy()
-    keypoints[0, 3, 2] = confidence
+    keypoints[0, 3, 2] = np.inf
     assert edmlift.lift(keypoints, fixed=fixed).status[0] == "not_finite"
     detected = coco17(WALK[:1])
-    detected[0, 7, 2] = confidence
+    detected[0, 7, 2] = np.inf
     assert edmlift.lift(detected, format="coco17", fixed=fixed).status[0] == "not_finite"
+
+
+@pytest.mark.parametrize("fixed", [False, True])
+@pytest.mark.parametrize("confidence", [np.nan, -np.inf, -0.5, 0])
+def test_no_confidence_was_not_seen(confidence: float, fixed: bool):
+    keypoints = WALK[:1].copy()
+    keypoints[0, 3, 2] = confidence
+    found = edmlift.lift(keypoints, fixed=fixed)
+    assert found.ok.all() and list(np.flatnonzero(~found.seen[0])) == [3]
+    detected = coco17(WALK[:1])
+    detected[0, 7, 2] = confidence
+    found = edmlift.lift(detected, format="coco17", fixed=fixed)
+    assert found.ok.all() and list(np.flatnonzero(~found.seen[0])) == [6]
 
 
 # ---- Formats -----------------------------------------------------------------------------------
@@ -283,7 +319,7 @@ def test_what_is_no_direction(up):
 
 
 def test_unknown_names_list_the_known_ones():
-    with pytest.raises(ValueError, match="'coco'.*coco17, body25"):
+    with pytest.raises(ValueError, match="'coco'.*coco17, movenet17, body25"):
         edmlift.lift(WALK, format="coco")
     with pytest.raises(ValueError, match="'fconn'.*distances_f32, .*, fconn_w8, fconv_f32"):
         edmlift.lift(WALK, "fconn")
@@ -301,7 +337,7 @@ def test_a_wrong_shape_is_told(shape: tuple[int, ...]):
 
 
 def test_a_detectors_keypoints_without_a_format():
-    with pytest.raises(ValueError, match="format=, one of coco17, h36m17_right_first"):
+    with pytest.raises(ValueError, match="format=, one of coco17, movenet17, h36m17_right_first"):
         edmlift.lift(coco17())
 
 
@@ -547,7 +583,7 @@ def test_a_masked_joint_is_missing():
     same(edmlift.lift(keypoints), edmlift.lift(missing))
 
 
-@pytest.mark.parametrize("threshold", [None, "0.3", [0.3], np.nan, -1])
+@pytest.mark.parametrize("threshold", ["0.3", [0.3], np.nan, -1])
 def test_a_threshold_is_a_number(threshold: object):
     with pytest.raises(ValueError, match="threshold must be a finite number"):
         edmlift.lift(WALK, threshold=threshold)

@@ -1,7 +1,6 @@
 """Pictures of poses: PNG sheets and animated GIFs, by Pillow alone."""
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,7 @@ from numpy.typing import ArrayLike
 from edmlift.drawing.diagram import draw_joint_diagram
 from edmlift.drawing.figure import save_rotating, save_sheet, spread
 from edmlift.drawing.scene import scene_of
-from edmlift.lifting import Poses, batched
+from edmlift.lifting import Poses, batched, picked
 
 __all__ = ["COLUMNS", "MAX_COLUMNS", "SUFFIXES", "draw", "draw_joint_diagram", "spread"]
 
@@ -67,8 +66,8 @@ def draw(
     if not chosen or not all(0 <= frame < count for frame in chosen):
         raise ValueError(f"frames must be from 0 to {count - 1}, not {chosen}")
     names = [f"frame {frame}" for frame in chosen] if names is None else names
-    picked = replace(given, **{f.name: getattr(given, f.name)[chosen] for f in fields(given)})
-    scene = scene_of(picked, None if true is None else true[chosen], pitch, False, 1.0)
+    shown = None if true is None else true[chosen]
+    scene = scene_of(picked(given, chosen), shown, pitch, False, 1.0)
     save_sheet(scene, path, title, names, [photos[frame] for frame in chosen])
 
 
