@@ -14,10 +14,11 @@ away; the origin is midway between the hips; left and right are the subject's.
 from edmlift._version import __version__
 from edmlift.body import fit_body
 from edmlift.drawing import draw
-from edmlift.files import FileError, read_keypoints, read_poses, read_truth, write_poses
+from edmlift.files import read_keypoints, read_poses, read_truth, write_poses
 from edmlift.formats import FORMATS
 from edmlift.joint_angles import ANGLES, angles, flexion, heading, lean
 from edmlift.joints import BONES, JOINTS, MIRROR
+from edmlift.keypoint_files import FileError
 from edmlift.keypoints import adapt
 from edmlift.lifting import Poses, lift
 from edmlift.metrics import joint_errors, mpjpe, pa_mpjpe, pck, procrustes

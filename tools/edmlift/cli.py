@@ -16,19 +16,11 @@ import numpy as np
 from edmlift._binding import JOINT_COUNT
 from edmlift._version import __version__
 from edmlift.drawing import COLUMNS, MAX_COLUMNS, draw, draw_joint_diagram, spread
-from edmlift.files import (
-    BAD_LINE,
-    Lines,
-    csv_lines,
-    is_json,
-    json_lines,
-    read_lines,
-    read_poses,
-    read_truth,
-)
+from edmlift.files import csv_lines, json_lines, read_poses, read_truth
 from edmlift.formats import FORMATS, find_format
 from edmlift.joint_angles import LEVEL
-from edmlift.keypoints import read_joints
+from edmlift.keypoint_files import Lines, is_json, read_lines, read_source
+from edmlift.keypoints import DETECTOR_THRESHOLD, read_joints
 from edmlift.lifting import Poses, lift
 from edmlift.metrics import mpjpe
 from edmlift.motion import MOTION_SUFFIXES, check_motion, write_motion
@@ -40,8 +32,9 @@ from edmlift.viewing import PICTURE_SIDE, view
 _UP = "upwards in the camera's axes, as 0,-1,0 of a level camera (default: not known)"
 TROUBLE, WRONG_OPTION = 1, 2  # exit statuses; argparse has the second, too
 _DOCUMENTATION = """\
-keypoints: x,y or x,y,c of each joint, a pose a line; or JSON lines, objects with
-"keypoints":[[x,y,c],...], in files that end in .jsonl, .ndjson or .json
+keypoints: x,y or x,y,c of each joint, a pose a line, perhaps with a heading; or JSON as
+detectors write it, in files that end in .jsonl, .ndjson or .json, or a folder of these
+(docs/detectors.md)
 """
 _PLAIN_SUFFIXES = (".csv",)  # of motion files that --motion asks for
 _MOTION = f"""\
@@ -98,18 +91,18 @@ def _add_lift(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         + _MOTION
         + "\nposes: status,x0,y0,z0,...,x13,y13,z13,misfit in metres; x right, y down, z away\n"
         "from the camera, origin between the hips.  A pose that cannot be lifted has another\n"
-        "status than ok and empty fields; a line that is not a pose has bad_line, and the exit\n"
-        "status is 1.",
+        "status than ok and empty fields; a frame without people has nobody; a line that is not a\n"
+        "pose has bad_line, and the exit status is 1.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("keypoints", help="file of 2D poses; - is the standard input")
+    parser.add_argument(
+        "keypoints", help="file of 2D poses, or folder of JSON files; - is the standard input"
+    )
     parser.add_argument("-o", "--out", metavar="FILE", help="default: the standard output")
     _add_lift_options(parser)
     parser.add_argument("--fixed", action="store_true", help="lift in fixed point")
     parser.add_argument("--header", action="store_true", help="names of the columns first")
-    parser.add_argument(
-        "--json", action="store_true", help="the input is JSON lines, whatever its name"
-    )
+    parser.add_argument("--json", action="store_true", help="the input is JSON, whatever its name")
     _add_motion_options(parser)
     parser.add_argument(
         "--camera", type=_intrinsics, metavar="FX,FY,CX,CY",
@@ -146,12 +139,18 @@ def _add_lift_options(parser: argparse.ArgumentParser) -> None:
         "--format", metavar="NAME", help="the detector's, see `edmlift formats` (default: joints)"
     )
     parser.add_argument(
-        "--threshold", type=float, default=0.0, metavar="C",
-        help="keypoints with confidence <= C are not seen (default: 0)",
+        "--threshold", type=float, metavar="C",
+        help="keypoints with confidence <= C are not seen "
+        f"(default: {DETECTOR_THRESHOLD} with --format, else 0)",
     )  # fmt: skip
     parser.add_argument(
         "--image", type=_size, metavar="W,H",
-        help="size of the image in pixels: keypoints outside are not seen; blazepose33 needs it",
+        help="size of the image in pixels: keypoints outside are not seen; blazepose33 and "
+        "movenet17 need it",
+    )  # fmt: skip
+    parser.add_argument(
+        "--mirrored", action="store_true",
+        help="the picture is a mirror image, as selfie cameras show it",
     )  # fmt: skip
     parser.add_argument("--up", type=_direction, metavar="X,Y,Z", help=_UP)
 
@@ -276,12 +275,18 @@ def _lift(options: argparse.Namespace) -> int:
         raise OptionError("--header is for CSV, not for JSON lines")
     is_motion = _is_motion(options)
     _check_lift_options(options)
-    data = _bytes_of(sys.stdin, "input").read() if source == "-" else Path(source).read_bytes()
-    lines = read_lines(data, options.format, as_json)
+    if source == "-":
+        data = _bytes_of(sys.stdin, "input").read()
+        lines = read_lines(data, options.format, as_json, source)
+    else:
+        lines = read_source(source, options.format, as_json)
     poses = _lift_lines(lines, options)
     for index, problem in lines.problems.items():
-        print(f"edmlift: {source}:{lines.numbers[index]}: {problem}", file=sys.stderr)
+        print(f"edmlift: {lines.where(index)}: {problem}", file=sys.stderr)
+    for warning in poses.warnings:
+        print(f"edmlift: warning: {warning}", file=sys.stderr)
     if is_motion:
+        _check_one_person(lines, source)
         root = None if options.camera is None else place(poses, options.camera)
         _write_motion(poses, options, root)
         return TROUBLE if lines.problems else 0
@@ -335,6 +340,15 @@ def _write_motion(
         print(f"edmlift: {warning.message}", file=sys.stderr)
 
 
+def _check_one_person(lines: Lines, source: str) -> None:
+    """Several people of a frame would be frames of one."""
+    if len(set(lines.frames)) < len(lines.frames):
+        raise CommandError(
+            f"{source}: has several people a frame, but a motion file is one person's: "
+            "edmlift.track_people() tells them apart"
+        )
+
+
 def _bytes_of(stream: TextIO | None, name: str) -> BinaryIO:
     """A standard stream, in UTF-8 whatever the terminal has."""
     if stream is None:
@@ -349,19 +363,19 @@ def _check_lift_options(options: argparse.Namespace) -> None:
         lift(
             np.zeros((0, count, 3)), options.model, options.up, format=options.format,
             threshold=options.threshold, image=options.image, camera=options.camera,
+            mirrored=options.mirrored,
             fixed=options.fixed,
         )  # fmt: skip
 
 
 def _lift_lines(lines: Lines, options: argparse.Namespace) -> Poses:
-    """Poses of lines; the bad ones have the status of a bad line."""
+    """Poses of lines; what holds no person has the status of that."""
     poses = lift(
         lines.keypoints, options.model, options.up, format=options.format,
         threshold=options.threshold, image=options.image, camera=options.camera,
-        fixed=options.fixed,
+        mirrored=options.mirrored, fixed=options.fixed,
     )  # fmt: skip
-    bad = np.isin(np.arange(len(lines.numbers)), list(lines.problems))
-    return replace(poses, status=np.where(bad, BAD_LINE, poses.status))
+    return replace(poses, status=lines.statuses(poses.status))
 
 
 def _draw(options: argparse.Namespace) -> int:
@@ -426,14 +440,16 @@ def _read_drawn(options: argparse.Namespace) -> Poses:
     options.fixed, options.camera = False, None
     if options.lifted is None:
         _check_lift_options(options)
-    lines = read_lines(path.read_bytes(), options.format, is_json(path))
+    lines = read_source(path, options.format)
     if len(lines.problems) == len(lines.numbers):
         raise CommandError(
             ": ".join([f"{path}: holds no pose", *list(lines.problems.values())[:1]])
         )
     if options.lifted is None:
         return _lift_lines(lines, options)
-    joints, _ = read_joints(lines.keypoints, options.format, options.threshold, options.image)
+    joints, _ = read_joints(
+        lines.keypoints, options.format, options.threshold, options.image, options.mirrored
+    )
     poses = read_poses(options.lifted)
     if len(poses.joints) != len(joints):
         raise CommandError(

@@ -108,7 +108,7 @@ def test_names(capsys: pytest.CaptureFixture):
 
 def test_what_lift_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture):
     assert "none.csv: No such file" in fails(capsys, "lift", tmp_path / "none.csv")
-    assert "Is a directory" in fails(capsys, "lift", tmp_path)
+    assert "a folder without files that end in .jsonl" in fails(capsys, "lift", tmp_path)
     (tmp_path / "in.jsonl").write_text("")
     for message, *options in [
         ("there are coco17", WALK_CSV, "--format", "coco"),
@@ -230,7 +230,11 @@ def test_what_draw_cannot_do(tmp_path: Path, lifted: Path, capsys: pytest.Captur
     message = fails(capsys, "draw", WALK_CSV, lifted, "--out", out, "--truth", kick_truth)
     assert "kick_truth.csv has 47" in message
     assert "not a pose as lift_stdin" in fails(capsys, "draw", WALK_CSV, WALK_CSV, "--out", out)
-    assert "holds no pose: " in fails(capsys, "draw", lifted, lifted, "--out", out)
+    message = fails(capsys, "draw", lifted, lifted, "--out", out)
+    assert "lifted.csv:1: a heading that does not name all keypoints" in message
+    bad = tmp_path / "bad.csv"
+    bad.write_text("1,2\n3,4\n")
+    assert "holds no pose: " in fails(capsys, "draw", bad, lifted, "--out", out)
     assert "--frame 39: " in fails(
         capsys, "draw", WALK_CSV, "--out", out, "--frame", "39", status=2
     )

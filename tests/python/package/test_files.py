@@ -10,6 +10,7 @@ from package_support import DATA, LIFT_STDIN, WALK, need_library, need_lift_stdi
 
 import edmlift
 from edmlift import files
+from edmlift.keypoint_files import read_lines
 
 SAMPLES = [path.stem for path in sorted(DATA.glob("*.csv")) if not path.stem.endswith("_truth")]
 
@@ -56,7 +57,7 @@ def test_json_lines_are_those_of_lift_stdin(tmp_path: Path):
     need_library()
     text = as_json(WALK[:4])
     (tmp_path / "in.jsonl").write_text(text)
-    lines = files.read_lines(text.encode(), None, True)
+    lines = read_lines(text.encode(), None, True)
     answer = list(files.json_lines(edmlift.lift(lines.keypoints), lines.objects))
     theirs = lift_stdin(text.encode(), "--json").decode().splitlines()
     assert [json.loads(line) for line in answer] == [json.loads(line) for line in theirs]
@@ -140,8 +141,9 @@ def test_a_file_of_a_detectors_keypoints(tmp_path: Path):
 @pytest.mark.parametrize(
     ("line", "problem"),
     [
-        ("1,,2", "field 2 is not a number"),
-        ("1,2,", "field 3 is not a number"),
+        ("1,,2", "3 numbers, but a pose has 28 or 42"),
+        ("1,2,", "3 numbers, but a pose has 28 or 42"),
+        ("1,2;3", "field 2 is not a number"),
         ("1_0 2", "field 1 is not a number"),
         ("1 2 3", "3 numbers, but a pose has 28 or 42"),
     ],
@@ -163,7 +165,11 @@ def test_a_bad_line_is_named(line: str, problem: str, tmp_path: Path):
 @pytest.mark.parametrize(
     ("line", "problem"),
     [
-        ("[1]", "not a JSON object"),
+        ("[1]", "1 numbers, but a pose has 28 or 42"),
+        ("1", "not a JSON object or array"),
+        ("[1, 2", "not a JSON object or array"),
+        ('{"keypoints": [], "keypoints": []}', "has keypoints twice"),
+        ('{"keypoints": [], "landmarks": []}', 'has "keypoints" and "landmarks"'),
         ('{"keypoints": [[NaN, 1]]}', "not a JSON object"),
         ("{" * 100_000, "not a JSON object"),
         ("{}", 'has no member "keypoints"'),
@@ -228,18 +234,18 @@ def test_an_integer_beyond_all_floats_is_not_finite():
     joints = WALK[0].tolist()
     for digits in ("9" * 400, "-" + "9" * 400):
         line = json.dumps({"keypoints": joints}).replace(json.dumps(joints[0][0]), digits, 1)
-        lines = files.read_lines(line.encode(), None, True)
+        lines = read_lines(line.encode(), None, True)
         assert not lines.problems and edmlift.lift(lines.keypoints).status[0] == "not_finite"
 
 
 def test_half_a_surrogate_pair_comes_out_as_it_went_in():
     line = json.dumps({"name": "\ud800 \N{SNOWMAN}", "keypoints": WALK[0].tolist()})
-    lines = files.read_lines(line.encode(), None, True)
+    lines = read_lines(line.encode(), None, True)
     (written,) = files.json_lines(edmlift.lift(lines.keypoints), lines.objects)
     answer = json.loads(written.encode("utf-8"))
     assert answer["name"] == "\ud800 \N{SNOWMAN}" and answer["status"] == "ok"
 
 
 def test_digits_of_other_scripts_are_no_numbers():
-    lines = files.read_lines("\u0663,1,1".encode(), None, False)
-    assert lines.problems == {0: "field 1 is not a number (commas or blanks separate them)"}
+    lines = read_lines("1\n\u0663,1,1".encode(), None, False)
+    assert lines.problems[1] == ("field 1 is not a number (commas or blanks separate them)")
