@@ -39,7 +39,7 @@ typedef struct {
     float jitter_full; /* keypoint jitter, in body sizes, at and above which the filters act in full;
                           steadier keypoints are filtered less.  0: always in full */
     /* Report on the last frame that was lifted. */
-    float jitter;     /* estimated keypoint jitter, body sizes: mean change of the prediction error from frame
+    float jitter; /* estimated keypoint jitter, body sizes: mean change of the prediction error from frame
                          to frame, averaged over about 0.2 s */
     uint32_t elapsed; /* ms since the last frame; 0: there is none, or it is too long ago */
     uint16_t held;    /* bit j: joint j was not seen in this frame, but lately */
@@ -69,6 +69,14 @@ void edml_track_start(edml_track *track);
 edml_status edml_track_lift(edml_pose *pose, edml_track *track, const edml_keypoint in[EDML_JOINTS],
                             uint32_t time_ms, const edml_point *up, const edml_model *model, void *work,
                             size_t work_bytes);
+
+/* How far a frame's keypoints are from where the track expects them at that time, in body sizes (the smaller of
+ * the track's and the frame's): the median over the joints that the frame shows and the track saw lately.
+ * Right and left count as the detector may have swapped them.  One person's next frame is within 0.3 or so;
+ * beyond 1 it is another person.  HUGE_VALF if the track cannot say: it was not started, has no frame, or
+ * none within a second before this time; or keypoints are not finite.
+ * To give each of several people their track, take the pair that is nearest, and then the next. */
+float edml_track_distance(const edml_track *track, const edml_keypoint in[EDML_JOINTS], uint32_t time_ms);
 
 /* Swaps right and left keypoints, in place, where edml_track_lift() found them swapped in the last frame:
  * edml_place() needs these with its pose.

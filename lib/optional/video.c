@@ -117,6 +117,54 @@ static float body_size(const edml_keypoint in[])
     return size;
 }
 
+/* Where the joints that were seen lately are expected `ms` after the last frame. */
+static void expect_joints(edml_keypoint expected[], const edml_track *track, uint32_t ms)
+{
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const edml_tracked_joint *joint = &track->joint[j];
+        const float seconds = 0.001F * (float)(joint->age + ms);
+        const edml_point at = plus(joint->image.at, times(seconds, joint->image.rate));
+        expected[j].x = at.x;
+        expected[j].y = at.y;
+        expected[j].c = is_known(track, j) ? 1 : 0;
+    }
+}
+
+static float between(edml_keypoint a, edml_keypoint b) { return HYPOT(a.x - b.x, a.y - b.y); }
+
+/* How far a joint is from where it is expected; or from where the joint of the other side is, if that brings
+ * both of them nearer: the detector may have swapped them. */
+static float joint_distance(const edml_keypoint in[], const edml_keypoint expected[], int j)
+{
+    const int k = edml_mirror_joint[j];
+    const float straight = between(in[j], expected[j]);
+    if (!(in[k].c > 0 && expected[k].c > 0)) return straight;
+    const float swapped = between(in[j], expected[k]);
+    return swapped + between(in[k], expected[j]) < straight + between(in[k], expected[k]) ? swapped
+                                                                                          : straight;
+}
+
+/* The median distance of the joints that are seen, and were seen lately: one or two may be far off.  In body
+ * sizes, the smaller of the two.  HUGE_VALF: there are none, or no number. */
+static float frame_distance(const edml_track *track, const edml_keypoint in[], uint32_t ms)
+{
+    edml_keypoint expected[EDML_JOINTS];
+    float sorted[EDML_JOINTS];
+    int count = 0;
+    expect_joints(expected, track, ms);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        if (!(in[j].c > 0 && expected[j].c > 0)) continue;
+        const float distance = joint_distance(in, expected, j);
+        int n = count++;
+        for (; n > 0 && !(distance >= sorted[n - 1]); n--) sorted[n] = sorted[n - 1];
+        sorted[n] = distance;
+    }
+    if (count == 0) return HUGE_VALF;
+    const float is = body_size(in), was = body_size(expected);
+    const float distance = sorted[count / 2] / (is < was ? is : was);
+    return distance <= FLT_MAX ? distance : HUGE_VALF;
+}
+
 /* How much farther from where they are expected three right joints and their left ones would be if they were
  * swapped, in squares.  That is twice the product of right minus left, expected and now. */
 static float side_continuity(const edml_track *track, const edml_keypoint in[], int right, float size)
@@ -312,6 +360,14 @@ static void move_on(edml_track *track, uint32_t time_ms)
     track->arms_log_odds = track->legs_log_odds = SIDES_AT_START;
     track->jitter = track->jitter_full / 2; /* until it is known */
     for (int j = 0; j < EDML_JOINTS; j++) track->joint[j].age = HOLD_MS + 1;
+}
+
+float edml_track_distance(const edml_track *track, const edml_keypoint in[EDML_JOINTS], uint32_t time_ms)
+{
+    if (track == NULL || in == NULL || !track->started) return HUGE_VALF;
+    const uint32_t ms = time_ms - track->time;
+    if (ms == 0 || ms > GAP_MS || !are_finite(in, seen_joints(in))) return HUGE_VALF;
+    return frame_distance(track, in, ms);
 }
 
 static int is_usable(edml_smoothing by) { return by.cutoff > 0 && by.slope >= 0 && by.slope <= FLT_MAX; }

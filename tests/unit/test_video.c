@@ -406,6 +406,93 @@ static void holding_does_not_make_up_a_person(void)
     TEST_ASSERT_EQUAL_INT(EDML_ERR_TOO_FEW_JOINTS, run(401)); /* too few for the lift */
 }
 
+/* ---- The distance of a frame ---------------------------------------------------------------------- */
+
+static void shift(float pixels)
+{
+    for (int j = 0; j < EDML_JOINTS; j++) in[j].x += pixels;
+}
+
+/* Frames of somebody who stands still. */
+static void stand(int frames)
+{
+    start();
+    see_turned(0);
+    for (uint32_t n = 0; n < (uint32_t)frames; n++) TEST_ASSERT_EQUAL_INT(EDML_OK, run(n * FRAME));
+}
+
+static void the_distance_is_in_body_sizes(void)
+{
+    stand(5);
+    const edml_track kept = track;
+    const float size = (float)size_in_image();
+    TEST_ASSERT_TRUE(edml_track_distance(&track, in, 5 * FRAME) == 0);
+    shift(size);
+    TEST_ASSERT_FLOAT_WITHIN(0.001F, 1, edml_track_distance(&track, in, 5 * FRAME));
+    TEST_ASSERT_FLOAT_WITHIN(0.001F, 1, edml_track_distance(&track, in, 5 * FRAME + 500));
+    in[EDML_L_WRIST].c = in[EDML_R_ANKLE].c = 0;
+    in[EDML_R_ANKLE].x = NAN; /* is not looked at */
+    TEST_ASSERT_FLOAT_WITHIN(0.15F, 1, edml_track_distance(&track, in, 5 * FRAME));
+    see_turned(0);
+    for (int j = 0; j < EDML_JOINTS; j++) { /* a smaller person counts in their own size */
+        in[j].x = in[j].x / 4 + 4 * size;
+        in[j].y = in[j].y / 4;
+    }
+    TEST_ASSERT_TRUE(edml_track_distance(&track, in, 5 * FRAME) > 10);
+    TEST_ASSERT_EQUAL_MEMORY(&kept, &track, sizeof track);
+}
+
+static void the_distance_forgives_what_detectors_do(void)
+{
+    stand(5);
+    const float size = (float)size_in_image();
+    swap_detected(EDML_R_HIP);
+    swap_detected(EDML_R_SHOULDER);
+    TEST_ASSERT_TRUE(edml_track_distance(&track, in, 5 * FRAME) == 0);
+    in[EDML_L_WRIST].x += 100 * size;
+    in[EDML_R_KNEE].y -= 100 * size;
+    in[EDML_HEAD].c = 0;
+    TEST_ASSERT_TRUE(edml_track_distance(&track, in, 5 * FRAME) == 0);
+}
+
+/* Somebody who walks by is expected farther on. */
+static void the_distance_is_from_where_joints_are_expected(void)
+{
+    start();
+    see_turned(0);
+    const float size = (float)size_in_image();
+    for (uint32_t n = 0; n < 30; n++) {
+        const float near = edml_track_distance(&track, in, n * FRAME);
+        TEST_ASSERT_TRUE(n <= 20 || near < 0.03F);
+        TEST_ASSERT_TRUE(n <= 20 || edml_track_distance(&track, in, n * FRAME + 500) > 1);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run(n * FRAME));
+        shift(size / 10);
+    }
+}
+
+static void the_distance_is_huge_where_nothing_is_known(void)
+{
+    stand(3);
+    TEST_ASSERT_TRUE(edml_track_distance(&track, in, 2 * FRAME + 1000) == 0);
+    const uint32_t wrong[] = {2 * FRAME, FRAME, 2 * FRAME + 1001, 2 * FRAME + UINT32_MAX / 2 + 9};
+    for (unsigned n = 0; n < sizeof wrong / sizeof *wrong; n++)
+        TEST_ASSERT_TRUE(edml_track_distance(&track, in, wrong[n]) == HUGE_VALF);
+    edml_track_start(&other);
+    TEST_ASSERT_TRUE(edml_track_distance(&other, in, 9 * FRAME) == HUGE_VALF);
+    TEST_ASSERT_TRUE(edml_track_distance(NULL, in, 9 * FRAME) == HUGE_VALF);
+    TEST_ASSERT_TRUE(edml_track_distance(&track, NULL, 9 * FRAME) == HUGE_VALF);
+    memcpy(whole, in, sizeof whole);
+    in[3].y = NAN;
+    TEST_ASSERT_TRUE(edml_track_distance(&track, in, 9 * FRAME) == HUGE_VALF);
+    for (int j = 0; j < EDML_JOINTS; j++) in[j].x = in[j].y = 0; /* a point has no size */
+    TEST_ASSERT_TRUE(edml_track_distance(&track, in, 9 * FRAME) == HUGE_VALF);
+    for (int j = 0; j < EDML_JOINTS; j++) in[j].x = j % 2 ? 1e37F : -3e37F;
+    TEST_ASSERT_TRUE(edml_track_distance(&track, in, 9 * FRAME) > 1);
+    memcpy(in, whole, sizeof whole);
+    for (int j = 0; j < EDML_JOINTS; j++) in[j].c = 0;
+    TEST_ASSERT_TRUE(edml_track_distance(&track, in, 9 * FRAME) == HUGE_VALF);
+}
+
 /* ---- Up ------------------------------------------------------------------------------------------ */
 
 /* The first frame is not filtered; somebody who stands still stays as lifted. */
@@ -577,6 +664,10 @@ int main(void)
     RUN_TEST(a_missing_joint_is_held_for_300_ms);
     RUN_TEST(a_held_joint_moves_along);
     RUN_TEST(holding_does_not_make_up_a_person);
+    RUN_TEST(the_distance_is_in_body_sizes);
+    RUN_TEST(the_distance_forgives_what_detectors_do);
+    RUN_TEST(the_distance_is_from_where_joints_are_expected);
+    RUN_TEST(the_distance_is_huge_where_nothing_is_known);
     RUN_TEST(up_goes_to_the_lift);
     RUN_TEST(bad_up_leaves_no_trace);
     RUN_TEST(time_does_not_run_backwards);

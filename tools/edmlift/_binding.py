@@ -142,6 +142,7 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "edml_place_sweep": (_STATUS, *[_POINTER] * 4, c_float, c_float, *_WORK),
     "edml_track_start": (_VOID, _POINTER),
     "edml_track_lift": (_STATUS, *[_POINTER] * 3, c_uint32, *[_POINTER] * 2, *_WORK),
+    "edml_track_distance": (c_float, _POINTER, _POINTER, c_uint32),
     "edml_track_swap_sides": (_VOID, _POINTER, _POINTER),
     "edml_fit_body*": (_STATUS, _POINTER, _POINTER),
     "edml_quality*": (_STATUS, _POINTER, _POINTER),

@@ -77,6 +77,19 @@ class Track:
         return first(tracked) if single else tracked
 
 
+    def distance(self, keypoints: ArrayLike, time_ms: float) -> float:
+        """How far one frame's keypoints are from where the track expects them at that time.
+
+        In body sizes; the same person's are within about 0.3, and beyond 1 it is another person.
+        Infinity if the track cannot say, as at its start and a second after its last frame
+        (edml_track_distance in edmlift/video.h).
+        """
+        joints, single = read_joints(keypoints, self._format, self._threshold, self._image)
+        if not single:
+            raise ValueError("distance() takes one frame [K,2] or [K,3]")
+        return self._frames.distance(joints[0], time_ms)
+
+
 def track(
     keypoints: ArrayLike,
     *,
@@ -115,6 +128,12 @@ class TrackedFrames:
         self._work = model.work()
         self.state = np.zeros(1, TRACK)
         model.c.edml_track_start(pointer(self.state))
+
+    def distance(self, joints: NDArray[np.float32], time_ms: float) -> float:
+        """edml_track_distance() of joints [14,3]."""
+        seen = np.array(joints, np.float32)
+        ms = int(np.floor(time_ms)) & 0xFFFFFFFF
+        return self._model.c.edml_track_distance(pointer(self.state), pointer(seen), ms)
 
     def lift(
         self,

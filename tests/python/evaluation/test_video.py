@@ -75,7 +75,21 @@ def test_calls_continue_the_track(library):
     np.testing.assert_array_equal(np.concatenate(halves), library.track().lift(WALK, TIMES).joints)
 
 
+def test_the_distance_tells_a_persons_next_frame_from_another_person():
+    track = Track()
+    assert track.distance(WALK[0], 0) == np.inf
+    track.lift(WALK[:20], TIMES[:20])
+    size = np.abs(WALK[20, :, :2] - WALK[20, :, :2].mean(0)).sum(1).mean()
+    assert track.distance(WALK[20], TIMES[20]) < 0.1
+    other = WALK[20] + [1.5 * size, 0, 0]
+    assert track.distance(other, TIMES[20]) == pytest.approx(1.5, abs=0.1)
+    assert track.distance(other[:, :2], float(TIMES[20])) > 1
+    assert track.distance(WALK[20], 5000) == np.inf
+
+
 def test_wrong_shapes(library):
+    with pytest.raises(ValueError, match="takes one frame"):
+        Track().distance(WALK[:2], 0)
     with pytest.raises(ValueError, match="keypoints of the 14 joints must be"):
         Track().lift(WALK[:, :13], TIMES)
     with pytest.raises(ValueError, match="times must be"):
