@@ -13,6 +13,7 @@ away; the origin is midway between the hips; left and right are the subject's.
 
 from edmlift._version import __version__
 from edmlift.body import fit_body
+from edmlift.detections import Detections, read_detections
 from edmlift.drawing import draw
 from edmlift.files import read_keypoints, read_poses, read_truth, write_poses
 from edmlift.formats import FORMATS
@@ -24,6 +25,7 @@ from edmlift.lifting import Poses, lift
 from edmlift.metrics import joint_errors, mpjpe, pa_mpjpe, pck, procrustes
 from edmlift.motion import MOTION_SUFFIXES, write_motion
 from edmlift.networks import models
+from edmlift.people_tracks import TrackedPeople, track_people
 from edmlift.placing import Placements, place, stand
 from edmlift.plausibility import joint_limits, quality, reflect_by_joint_limits, uncertainty
 from edmlift.tracking import Track, Tracked, track
@@ -32,6 +34,7 @@ from edmlift.viewing import view
 __all__ = [
     "ANGLES",
     "BONES",
+    "Detections",
     "FORMATS",
     "JOINTS",
     "MIRROR",
@@ -41,6 +44,7 @@ __all__ = [
     "Poses",
     "Track",
     "Tracked",
+    "TrackedPeople",
     "__version__",
     "adapt",
     "angles",
@@ -59,12 +63,14 @@ __all__ = [
     "place",
     "procrustes",
     "quality",
+    "read_detections",
     "read_keypoints",
     "read_poses",
     "read_truth",
     "reflect_by_joint_limits",
     "stand",
     "track",
+    "track_people",
     "uncertainty",
     "view",
     "write_motion",

@@ -60,6 +60,8 @@ class Columns:
             pass
         if len(names) == 1:
             names = names[0].split()
+        if len(names) < 2 * self._count:  # words, but no heading of lines that could be read
+            return False
         if names[0] == "status":
             raise HeadingError("poses, not keypoints: they are lifted already")
         for known in self._known():

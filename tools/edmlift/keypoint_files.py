@@ -13,7 +13,7 @@ from edmlift.formats import BY_IMAGE, BY_SQUARE, find_format
 from edmlift.json_values import Value, read_values
 from edmlift.keypoint_sets import count_of, read_set
 from edmlift.keypoints import look_like_pixels
-from edmlift.people import Frame, Person, find_frames
+from edmlift.people import Frame, Person, find_frames, is_one_person
 
 JSON_SUFFIXES = (".jsonl", ".ndjson", ".json")
 BAD_LINE = "bad_line"  # the status of what cannot be read
@@ -35,6 +35,7 @@ class Lines:
     problems: dict[int, str] = field(default_factory=dict)  # what is wrong, by index
     nobody: frozenset[int] = frozenset()  # indices of the frames without people
     objects: Sequence[dict[str, Any]] = ()  # [A] JSON alone: the members for the answer
+    listed: Sequence[bool] = ()  # [A] JSON alone: in a list of people, and not a value of its own
     sources: Sequence[str] = ()  # [A] names of their files
 
     def where(self, index: int) -> str:
@@ -89,7 +90,7 @@ def read_lines(data: bytes, format: str | None, as_json: bool, name: str = "") -
                 parts.add_line(number, name, columns, text)
         except HeadingError as error:
             raise FileError(f"{name}:{number}: {error}") from None
-    return replace(parts.lines(), objects=())
+    return replace(parts.lines(), objects=(), listed=())
 
 
 def read_objects(objects: Any, format: str | None) -> Lines:
@@ -120,6 +121,7 @@ class _Parts:
         self._numbers: list[int] = []
         self._objects: list[dict[str, Any]] = []
         self._sources: list[str] = []
+        self._listed: list[bool] = []
         self._problems: dict[int, str] = {}
         self._nobody: set[int] = set()
         self._frames = 0
@@ -144,10 +146,12 @@ class _Parts:
         if problem:
             frames = [Frame([Person({}, problem=problem)])]
         several = sum(len(frame.people) for frame in frames) > 1
+        listed = not is_one_person(given)
         for n, frame in enumerate(frames):
             for i, person in enumerate(frame.people):
                 where = f"frame {n}, person {i}: " if several else ""
                 self._add_person(person, number, name, where)
+                self._listed.append(listed)
             self._frames += 1
 
     def _add_person(self, person: Person, number: int, name: str, where: str) -> None:
@@ -187,5 +191,5 @@ class _Parts:
         keypoints = np.array(self._points, np.float32).reshape(-1, self._count, 3)
         return Lines(
             keypoints, self._of_frame, self._numbers, self._problems, frozenset(self._nobody),
-            self._objects, self._sources,
+            self._objects, self._listed, self._sources,
         )  # fmt: skip

@@ -135,10 +135,10 @@ def lift(
         poses = lift_joints(chosen, joints[:, sides], directions, intrinsics)
     if single:
         return first(poses)
-    return replace(poses, warnings=_warnings(poses, given, format))
+    return replace(poses, warnings=run_warnings(poses, given, format))
 
 
-def _warnings(poses: Poses, given: NDArray[np.float32], format: str | None) -> tuple[str, ...]:
+def run_warnings(poses: Poses, given: NDArray[np.float32], format: str | None) -> tuple[str, ...]:
     """Likely mistakes in the keypoints [F,K,3] that poses were lifted from."""
     spread = slice(None, None, 1 + int(poses.ok.sum()) // _WORTH_A_LOOK)
     lifted = picked(poses, np.flatnonzero(poses.ok)[spread])

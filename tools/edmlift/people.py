@@ -32,10 +32,18 @@ class Person:
 
 @dataclass
 class Frame:
-    """The people of a frame; without any, its members are in that of nobody."""
+    """The people of a frame; if there are none, nobody, with the members of the frame."""
 
     people: list[Person] = field(default_factory=list)
     key: Any = None  # what the people of an array have in common
+
+
+def is_one_person(value: Any) -> bool:
+    """Is this one person, and neither a frame nor several people?"""
+    if isinstance(value, dict):
+        names = _names(value)
+        return not names or (names[0] in PERSON_NAMES and not _is_several(value[names[0]]))
+    return not isinstance(value, list) or (bool(value) and not _is_people(value))
 
 
 def find_frames(value: Any) -> Iterator[Frame]:
@@ -90,10 +98,10 @@ def _names(value: dict[str, Any]) -> list[str]:
 def _frames_of_object(value: dict[str, Any], head: dict[str, Any]) -> Iterator[Frame]:
     names = _names(value)
     if isinstance(value, Twice) and value.name in (*names, SCORES_NAME):
-        yield Frame([Person(head | value, problem=f"has {value.name} twice")])
+        yield Frame([Person(head | value, problem=f"has {value.name} twice")], _key(value))
     elif len(names) > 1:
         problem = f'has "{names[0]}" and "{names[1]}": which are the people?'
-        yield Frame([Person(head | value, problem=problem)])
+        yield Frame([Person(head | value, problem=problem)], _key(value))
     elif names and (names[0] not in PERSON_NAMES or _is_several(value[names[0]])):
         yield from _frames_of_member(value, names[0])
     else:
@@ -132,7 +140,7 @@ def _frames_of_array(array: list[Any], head: dict[str, Any]) -> Iterator[Frame]:
     group: Frame | None = None
     for element in array:
         frames = list(_frames_of_element(element, head))
-        alone = len(frames) == 1 and _is_one_person(element)
+        alone = len(frames) == 1 and is_one_person(element)
         if group is not None and alone and frames[0].key == group.key:
             group.people += frames[0].people
             continue
@@ -143,14 +151,6 @@ def _frames_of_array(array: list[Any], head: dict[str, Any]) -> Iterator[Frame]:
             yield from frames
     if group is not None:
         yield group
-
-
-def _is_one_person(element: Any) -> bool:
-    """Is this element of an array of people one of them, and not a frame or several?"""
-    if isinstance(element, dict):
-        names = _names(element)
-        return not names or (names[0] in PERSON_NAMES and not _is_several(element[names[0]]))
-    return not isinstance(element, list) or (bool(element) and not _is_people(element))
 
 
 def _frames_of_element(element: Any, head: dict[str, Any]) -> Iterator[Frame]:

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from edmlift._binding import OK, POSE, TRACK, pointer
-from edmlift.keypoints import from_bits, read_joints, read_up
-from edmlift.lifting import Poses, first, pointers, to_poses
+from edmlift.keypoints import from_bits, read_joints, read_keypoints, read_up
+from edmlift.lifting import Poses, first, pointers, run_warnings, to_poses
 from edmlift.mistakes import wrong_unit_of_time
 from edmlift.networks import Model, find_model
 
@@ -76,7 +76,6 @@ class Track:
         tracked = self._frames.lift(joints, times, read_up(up, len(joints)))
         return first(tracked) if single else tracked
 
-
     def distance(self, keypoints: ArrayLike, time_ms: float) -> float:
         """How far one frame's keypoints are from where the track expects them at that time.
 
@@ -84,7 +83,7 @@ class Track:
         Infinity if the track cannot say, as at its start and a second after its last frame
         (edml_track_distance in edmlift/video.h).
         """
-        joints, single = read_joints(keypoints, self._format, self._threshold, self._image)
+        joints, single = read_joints(keypoints, *self._given)
         if not single:
             raise ValueError("distance() takes one frame [K,2] or [K,3]")
         return self._frames.distance(joints[0], time_ms)
@@ -106,15 +105,24 @@ def track(
     second or at times [F] in milliseconds.  `Track` takes the frames as they come, and settings."""
     if (fps is None) == (time_ms is None):
         raise ValueError("track() takes either fps= or time_ms=")
-    if fps is not None and not (np.isfinite(fps) and 0 < fps <= 1000):
-        raise ValueError(f"fps must be over 0 and at most 1000, not {fps}")
+    if fps is not None:
+        frame_times(fps, 0)  # before the keypoints are looked at
     joints, single = read_joints(keypoints, format, threshold, image, mirrored)
     if single:
         raise ValueError("track() takes frames [F,K,2] or [F,K,3], not one; Track takes one")
-    times = time_ms if fps is None else np.arange(len(joints)) * 1000 / fps
+    times = np.asarray(time_ms) if fps is None else frame_times(fps, len(joints))
     directions = read_up(up, len(joints))
-    tracked = TrackedFrames(find_model(model)).lift(joints, np.asarray(times), directions)
-    return replace(tracked, warnings=wrong_unit_of_time(np.asarray(times)))
+    tracked = TrackedFrames(find_model(model)).lift(joints, times, directions)
+    seen, _ = read_keypoints(keypoints, format, threshold, image)
+    warnings = run_warnings(tracked, seen, format)
+    return replace(tracked, warnings=warnings + wrong_unit_of_time(times))
+
+
+def frame_times(fps: float, count: int) -> NDArray[np.float64]:
+    """The times of so many frames, ms; ValueError: not a rate."""
+    if not (np.isfinite(fps) and 0 < fps <= 1000):
+        raise ValueError(f"fps must be over 0 and at most 1000, not {fps}")
+    return np.arange(count) * 1000 / fps
 
 
 # ---- For the library, unchecked ----------------------------------------------------------------
@@ -133,7 +141,7 @@ class TrackedFrames:
         """edml_track_distance() of joints [14,3]."""
         seen = np.array(joints, np.float32)
         ms = int(np.floor(time_ms)) & 0xFFFFFFFF
-        return self._model.c.edml_track_distance(pointer(self.state), pointer(seen), ms)
+        return float(self._model.c.edml_track_distance(pointer(self.state), pointer(seen), ms))
 
     def lift(
         self,

@@ -1,0 +1,144 @@
+"""Several people in a video: a track for each."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from edmlift.detections import Detections
+from edmlift.keypoints import read_joints, read_keypoints, read_up
+from edmlift.lifting import picked, run_warnings
+from edmlift.mistakes import wrong_unit_of_time
+from edmlift.networks import Model, find_model
+from edmlift.tracking import Tracked, TrackedFrames, frame_times
+
+_LONGEST_GAP = 1000  # ms, that a track waits for its person
+_ALONE = ("alone",)  # the id of who is the only person of each line
+_FURTHEST = 1.0  # body sizes, that a person may be from where the track expects them
+
+
+@dataclass(frozen=True, repr=False)
+class TrackedPeople(Tracked):
+    """Poses of several people in a video, in the order in which the detector wrote them."""
+
+    frame: NDArray[np.int_]  # [F] index of the frame
+    person: NDArray[np.int_]  # [F] number of the track, from 0, in the order of first appearance
+
+    def of_person(self, number: int) -> "TrackedPeople":
+        """The poses of one person, one a frame in which they were seen."""
+        return picked(self, np.flatnonzero(self.person == number))
+
+
+def track_people(
+    found: Detections,
+    *,
+    fps: float | None = None,
+    model: str | None = None,
+    up: ArrayLike | None = None,
+    threshold: float | None = None,
+    image: tuple[float, float] | None = None,
+    mirrored: bool = False,
+) -> TrackedPeople:
+    """Lifts a video of several people, each made steady by the frames before.
+
+    found  of `read_detections` or `Detections.of`
+    fps    frames a second; default: each person has a time `t`, in seconds
+    up     as in `lift`: [3], or one a person that was found, [N,3]
+
+    model, threshold, image and mirrored are as in `lift`.  People whom the detector has given an id
+    have a track each; others go to the nearest track that nobody of the frame has, within a body
+    size of where it expects them, or to a new one.  A track without its person for over a second
+    ends.  Lines or values that are one person each, without an id, are one person's.
+    """
+    joints, _ = read_joints(found.keypoints, found.format, threshold, image, mirrored)
+    times = _times(found, fps)
+    directions = read_up(up, len(joints))
+    tracks = _Tracks(find_model(model))
+    rows: list[Tracked] = []
+    numbers: list[int] = []
+    taken: set[int] = set()
+    for n, frame in enumerate(found.frame):
+        if n > 0 and frame != found.frame[n - 1]:
+            taken = set()
+        above = None if directions is None else directions[n : n + 1]
+        person = found.person[n] if found.listed[n] or found.person[n] is not None else _ALONE
+        number = tracks.find(joints[n], person, times[n], taken)
+        taken.add(number)
+        numbers.append(number)
+        rows.append(tracks.feed(number, joints[n : n + 1], times[n : n + 1], above))
+    tracked = _joined(rows) if rows else TrackedFrames(find_model(model)).lift(joints, times)
+    given, _ = read_keypoints(found.keypoints, found.format, threshold, image)
+    warnings = run_warnings(tracked, given, found.format)
+    if fps is None:
+        warnings += wrong_unit_of_time(times[np.unique(found.frame, return_index=True)[1]])
+    parts = {f.name: getattr(tracked, f.name) for f in fields(tracked)} | {"warnings": warnings}
+    return TrackedPeople(**parts, frame=found.frame, person=np.array(numbers, int))
+
+
+def _times(found: Detections, fps: float | None) -> NDArray[np.float64]:
+    """Milliseconds [N]."""
+    if fps is not None:
+        return frame_times(fps, found.frames)[found.frame]
+    if not np.isfinite(found.t).all():
+        raise ValueError("track_people() needs fps=, or a finite `t` in seconds for each person")
+    times: NDArray[np.float64] = np.floor(1000 * found.t + 0.5)
+    return times
+
+
+class _Tracks:
+    """The tracks of all people so far."""
+
+    def __init__(self, model: Model):
+        self._model = model
+        self._tracks: list[TrackedFrames] = []
+        self._fed: list[float] = []  # when, ms
+        self._by_id: dict[tuple[type, Any], int] = {}
+
+    def find(self, joints: NDArray[np.float32], person: Any, time: float, taken: set[int]) -> int:
+        """The number of this person's track."""
+        if person is None:
+            return self._nearest(joints, time, taken)
+        number = self._by_id.get((type(person), person), -1)  # 1 is not "1", nor True
+        if number in taken:  # an id twice in a frame says nothing
+            return self._nearest(joints, time, taken)
+        over = person is not _ALONE and self._is_over(number, time)
+        if number < 0 or over:
+            number = self._by_id[(type(person), person)] = self._start()
+        return number
+
+    def feed(
+        self, number: int, joints: NDArray[np.float32], times: NDArray[np.float64],
+        up: NDArray[np.float32] | None,
+    ) -> Tracked:  # fmt: skip
+        """Lifts a frame of this track."""
+        self._fed[number] = float(times[0])
+        return self._tracks[number].lift(joints, times, up)
+
+    def _nearest(self, joints: NDArray[np.float32], time: float, taken: set[int]) -> int:
+        free = [
+            n for n in range(len(self._tracks)) if n not in taken and not self._is_over(n, time)
+        ]
+        distances = [self._tracks[n].distance(joints, time) for n in free]
+        if not distances or not min(distances) <= _FURTHEST:
+            return self._start()
+        return free[int(np.argmin(distances))]
+
+    def _is_over(self, number: int, time: float) -> bool:
+        return time - self._fed[number] > _LONGEST_GAP
+
+    def _start(self) -> int:
+        self._tracks.append(TrackedFrames(self._model))
+        self._fed.append(-np.inf)
+        return len(self._tracks) - 1
+
+
+def _joined(rows: Sequence[Tracked]) -> Tracked:
+    """Frames of one each, one behind another."""
+    arrays: dict[str, Any] = {
+        f.name: np.concatenate([getattr(row, f.name) for row in rows])
+        for f in fields(Tracked)
+        if f.name != "warnings"
+    }
+    return replace(rows[0], **arrays)
