@@ -13,7 +13,7 @@ from edmlift.formats import BY_SQUARE, FORMATS, find_format
 from edmlift.joints import MIRROR
 
 MAX_PROPORTION = 10.0  # of the image's size, that a keypoint outside the image may have
-DETECTOR_THRESHOLD = 0.2  # the default for a detector's scores: docs/detectors.md says why
+DETECTOR_THRESHOLD = 0.1  # the default for a detector's scores: docs/detectors.md says why
 
 
 def adapt(

@@ -102,7 +102,7 @@ def lift(
     format     the detector's keypoint order, one of FORMATS, such as "coco17".  Default: K is 14
                and the keypoints are JOINTS, as `adapt` returns them.
     threshold  a confidence up to this counts as not seen, as do NaN and what is negative.  Default:
-               0.2 with a format, whose models mostly guess below it; 0 without
+               0.1 with a format, whose model has not found it then; 0 without
     image      (width, height) in pixels: keypoints outside are not seen, whatever the detector
                invents there.  "blazepose33" and "movenet17", which are normalised by it, need it
     camera     fx, fy, cx, cy in pixels, or the 3x3 matrix, of a camera without distortion, if it is
