@@ -46,7 +46,7 @@ def read_joints(
         given = unmirrored(given, image)
     if format is not None:
         given = adapt_joints(load(), given, find_format(format))
-    return (given[:, MIRROR] if mirrored else given), single
+    return (np.ascontiguousarray(given[:, MIRROR]) if mirrored else given), single
 
 
 def read_keypoints(

@@ -103,8 +103,7 @@ class _Tracks:
         number = self._by_id.get((type(person), person), -1)  # 1 is not "1", nor True
         if number in taken:  # an id twice in a frame says nothing
             return self._nearest(joints, time, taken)
-        over = person is not _ALONE and self._is_over(number, time)
-        if number < 0 or over:
+        if number < 0 or (person is not _ALONE and self._is_over(number, time)):
             number = self._by_id[(type(person), person)] = self._start()
         return number
 

@@ -155,7 +155,7 @@ class TrackedFrames:
         if time_ms.dtype.kind not in "iuf" or not np.isfinite(time_ms).all():
             raise ValueError("times must be finite numbers of milliseconds")
         times = np.floor(time_ms.astype(np.float64)) if time_ms.dtype.kind == "f" else time_ms
-        model, joints = self._model, np.array(joints, np.float32)
+        model, joints = self._model, np.array(joints, np.float32, order="C")
         poses, reports = np.zeros(len(joints), POSE), np.zeros(len(joints), TRACK)
         status = np.zeros(len(joints), np.int32)
         for i, (pose, seen) in enumerate(pointers(poses, joints)):
