@@ -24,7 +24,9 @@ class TrackedPeople(Tracked):
     """Poses of several people in a video, in the order in which the detector wrote them."""
 
     frame: NDArray[np.int_]  # [F] index of the frame
-    person: NDArray[np.int_]  # [F] number of the track, from 0, in the order of first appearance
+    # [F] number of the track, from 0, in the order of first appearance; -1: refused before it
+    # ever was lifted
+    person: NDArray[np.int_]
 
     def of_person(self, number: int) -> "TrackedPeople":
         """The poses of one person, one a frame in which they were seen."""
@@ -58,16 +60,16 @@ def track_people(
     tracks = _Tracks(find_model(model))
     rows: list[Tracked] = []
     numbers: list[int] = []
-    taken: set[int] = set()
+    taken: set[_PersonTrack] = set()
     for n, frame in enumerate(found.frame):
         if n > 0 and frame != found.frame[n - 1]:
             taken = set()
         above = None if directions is None else directions[n : n + 1]
         person = found.person[n] if found.listed[n] or found.person[n] is not None else _ALONE
-        number = tracks.find(joints[n], person, times[n], taken)
-        taken.add(number)
-        numbers.append(number)
-        rows.append(tracks.feed(number, joints[n : n + 1], times[n : n + 1], above))
+        track = tracks.find(joints[n], person, times[n], taken)
+        taken.add(track)
+        rows.append(track.frames.lift(joints[n : n + 1], times[n : n + 1], above))
+        numbers.append(tracks.fed(track, times[n], bool(rows[-1].ok[0])))
     tracked = _joined(rows) if rows else TrackedFrames(find_model(model)).lift(joints, times)
     given, _ = read_keypoints(found.keypoints, found.format, threshold, image)
     warnings = run_warnings(tracked, given, found.format)
@@ -87,50 +89,55 @@ def _times(found: Detections, fps: float | None) -> NDArray[np.float64]:
     return times
 
 
+@dataclass(eq=False)
+class _PersonTrack:
+    frames: TrackedFrames
+    person: Any  # the detector's id
+    number: int = -1
+    fed: float = -np.inf  # when, ms
+
+
 class _Tracks:
-    """The tracks of all people so far."""
+    """The tracks of all people who are there."""
 
     def __init__(self, model: Model):
         self._model = model
-        self._tracks: list[TrackedFrames] = []
-        self._fed: list[float] = []  # when, ms
-        self._by_id: dict[tuple[type, Any], int] = {}
+        self._tracks: list[_PersonTrack] = []
+        self._count = 0  # also of those that are over
 
-    def find(self, joints: NDArray[np.float32], person: Any, time: float, taken: set[int]) -> int:
-        """The number of this person's track."""
-        if person is None:
-            return self._nearest(joints, time, taken)
-        number = self._by_id.get((type(person), person), -1)  # 1 is not "1", nor True
-        if number in taken:  # an id twice in a frame says nothing
-            return self._nearest(joints, time, taken)
-        if number < 0 or (person is not _ALONE and self._is_over(number, time)):
-            number = self._by_id[(type(person), person)] = self._start()
-        return number
-
-    def feed(
-        self, number: int, joints: NDArray[np.float32], times: NDArray[np.float64],
-        up: NDArray[np.float32] | None,
-    ) -> Tracked:  # fmt: skip
-        """Lifts a frame of this track."""
-        self._fed[number] = float(times[0])
-        return self._tracks[number].lift(joints, times, up)
-
-    def _nearest(self, joints: NDArray[np.float32], time: float, taken: set[int]) -> int:
-        free = [
-            n for n in range(len(self._tracks)) if n not in taken and not self._is_over(n, time)
-        ]
-        distances = [self._tracks[n].distance(joints, time) for n in free]
+    def find(
+        self, joints: NDArray[np.float32], person: Any, time: float, taken: set[_PersonTrack]
+    ) -> _PersonTrack:
+        """This person's track; nobody else of the frame, who is `taken`, has it."""
+        self._tracks = [
+            track for track in self._tracks
+            if track.person is _ALONE or time - track.fed <= _LONGEST_GAP
+        ]  # fmt: skip
+        if person is not None:
+            same = [track for track in self._tracks if _is_same(track.person, person)]
+            if not any(track in taken for track in same):  # else the id says nothing
+                return same[0] if same else self._start(person)
+        free = [track for track in self._tracks if track not in taken]
+        distances = [track.frames.distance(joints, time) for track in free]
         if not distances or not min(distances) <= _FURTHEST:
-            return self._start()
+            return self._start(None)
         return free[int(np.argmin(distances))]
 
-    def _is_over(self, number: int, time: float) -> bool:
-        return time - self._fed[number] > _LONGEST_GAP
+    def fed(self, track: _PersonTrack, time: float, lifted: bool) -> int:
+        """The number of a track that was given a frame.  One that has none is not kept."""
+        if track.number < 0 and lifted:
+            track.number, self._count = self._count, self._count + 1
+            self._tracks.append(track)
+        track.fed = time
+        return track.number
 
-    def _start(self) -> int:
-        self._tracks.append(TrackedFrames(self._model))
-        self._fed.append(-np.inf)
-        return len(self._tracks) - 1
+    def _start(self, person: Any) -> _PersonTrack:
+        return _PersonTrack(TrackedFrames(self._model), person)
+
+
+def _is_same(a: Any, b: Any) -> bool:
+    """Are these ids the same?  1 is neither "1" nor true."""
+    return type(a) is type(b) and bool(a == b)
 
 
 def _joined(rows: Sequence[Tracked]) -> Tracked:
