@@ -10,6 +10,7 @@ Its picture is beside BlazePose's, detections_thunder.png.
 
 import argparse
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +36,7 @@ from evaluation.measures import MIRROR_IMAGE
 from reports.markdown import table
 
 SCALED = "similarity"  # alignment with scale
+THRESHOLDS = (0.0, 0.1, 0.2, 0.3, 0.5)
 DRAWN = ((0, 2), (0, 8), (1, 8), (1, 12), (2, 2), (3, 12))  # view, frame
 
 Beam = dict[str, Clip]  # the four views, as one detector sees them
@@ -174,6 +176,22 @@ def report_detectors(columns: dict[str, dict]) -> str:
     return table("mm", list(columns), {t: [c[t] for c in columns.values()] for t in titles})
 
 
+def compare_thresholds(library: Library) -> dict[str, dict[str, float]]:
+    """A column a threshold of the confidence: the mean error of each detector's lifts, sides put
+    right, over all views, and how many frames of the street are refused."""
+    columns: dict[str, dict[str, float]] = {}
+    for threshold in THRESHOLDS:
+        column = columns[f"{threshold:g}"] = {}
+        for detector in (replace(one, sure=threshold) for one in DETECTORS):
+            clips = read_beam(library, detector)[0].values()
+            views = [measure(library, clip.frames(slice(FIRST, None))) for clip in clips]
+            column[detector.name] = float(np.mean([view["lift_sure"] for view in views]))
+        for detector in (replace(one, sure=threshold) for one in DETECTORS):
+            street = library.lift(read_street(library, detector).sure)
+            column[f"{detector.name}: street, frames refused"] = int((~street.ok).sum())
+    return columns
+
+
 def picture(library: Library, clips: Beam, path: Path, detector: Detector = BLAZEPOSE) -> None:
     """Draws what was lifted of a few frames, and the reference."""
     keypoints, truth = (
@@ -213,6 +231,7 @@ def tables(args: argparse.Namespace) -> Tables:
         "detections": report({name: measure(library, clip) for name, clip in clips.items()}),
         "reference": f"reference: {pixels:.1f} pixels from the detections (median)\n",
         "detectors": report_detectors(compare(library, beams, errors)),
+        "thresholds": report_detectors(compare_thresholds(library)),
     }
 
 

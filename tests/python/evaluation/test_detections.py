@@ -11,6 +11,7 @@ from support import ROOT
 from data.detections import CAMERAS, DATA, SIZES
 from data.triangulate import Camera, read_cameras, triangulate
 from edmlift import read_poses
+from edmlift.keypoints import DETECTOR_THRESHOLD
 from edmlift.library import Library
 from edmlift.metrics import rigid_errors
 from evaluation import detections
@@ -135,6 +136,14 @@ def test_lift_stdin_takes_them_as_the_detector_gives_them(
 def test_the_table_is_the_documents(library, beam, street):
     figures = {n: detections.measure(library, c) for n, c in (beam | {"street": street}).items()}
     assert markdown.read(DOCUMENT, "detections") == detections.report(figures)
+
+
+def test_the_table_of_thresholds_is_the_documents_and_the_default_costs_nothing(library):
+    columns = detections.compare_thresholds(library)
+    assert markdown.read(DOCUMENT, "thresholds") == detections.report_detectors(columns)
+    default = columns[f"{DETECTOR_THRESHOLD:g}"]
+    for row, figure in columns["0"].items():
+        assert default[row] < figure + 1, row
 
 
 def test_the_summarys_figures(library, beam):
