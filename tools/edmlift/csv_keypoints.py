@@ -53,8 +53,9 @@ class Columns:
     def take_heading(self, text: str) -> bool:
         """Is this, the first line, a heading?  HeadingError if its names are not known."""
         names = [name.strip().strip('"').lower() for name in text.split(",")]
-        try:
-            _number(1, re.split(_SEPARATOR, text)[0], True)
+        first = next((field for field in re.split(_SEPARATOR, text) if field), "")
+        try:  # pandas names no column of its index
+            _number(1, first, True)
             return False
         except ValueError:
             pass

@@ -109,6 +109,7 @@ REVERSED = ",".join(f"{p[n]:g}" for p in reversed(POSE) for n in (1, 0, 2))
 LINES = {
     "heading": f"frame,{HEADING}\n7,{REVERSED}\n8,{REVERSED},9\n",
     "numbers": ",".join(f"x{n},y{n},c{n}" for n in range(14)) + f"\n{','.join(map(str, FLAT))}\n",
+    "index without a name": f",{HEADING}\n7,{REVERSED}\n",
     "words": f"words\n{','.join(map(str, FLAT))}\n",
     "blanks": ",".join(["", "null", "0.9", *map(str, FLAT[3:])]) + "\n",
     "nan confidence": ",".join(["1", "2", "nan", *map(str, FLAT[3:])]) + "\n",

@@ -470,6 +470,7 @@ def test_headings_of_numbers_without_confidences_and_in_capitals():
     np.testing.assert_array_equal(csv(f"{heading}\n{numbers}", "coco17").keypoints, plain)
     heading = ",".join(f"{n}_x,{n}_y" for n in KEYPOINT_NAMES["coco17"])
     np.testing.assert_array_equal(csv(f"{heading}\n{numbers}", "coco17").keypoints, plain)
+    np.testing.assert_array_equal(csv(f",{heading}\n0,{numbers}", "coco17").keypoints, plain)
 
 
 def test_blank_fields_were_not_seen():
