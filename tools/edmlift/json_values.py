@@ -40,8 +40,11 @@ def read_values(data: bytes) -> Iterator[Value]:
             yield number, value, ""
             at = _skip(text, end)
             continue
-        yield number, None, NOT_JSON if fault[1] == "" else fault[1]
-        at = _skip(text, _resume(text, at, fault[0]))
+        place, problem = fault
+        further = text.count("\n", at, place)
+        where = f"; see line {number + further}" if further else ""
+        yield number, None, f"{problem}{where}"
+        at = _skip(text, _resume(text, at, place))
 
 
 def _decode(
@@ -49,14 +52,14 @@ def _decode(
 ) -> tuple[Any, int, tuple[int, str] | None]:
     """The value that begins at this place, its end, and where and what the fault is."""
     if text[at] not in "{[n":
-        return None, at, (at, "")
+        return None, at, (at, NOT_JSON)
     try:
         value, end = decoder.raw_decode(text, at)
     except json.JSONDecodeError as error:
-        return None, at, (error.pos, "")
+        return None, at, (error.pos, NOT_JSON)
     except (ValueError, RecursionError):  # of _no_constant(), or nested too deep
         found = (match for match in _CONSTANT.finditer(text, at) if match[1])
-        return None, at, (next((match.start() for match in found), at), "")
+        return None, at, (next((match.start() for match in found), at), NOT_JSON)
     wrong = _BAD_BYTE.search(text, at, end)
     return value, end, None if wrong is None else (wrong.start(), _NOT_UTF_8)
 

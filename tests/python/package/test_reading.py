@@ -421,6 +421,12 @@ def test_where_reading_goes_on(text: str | bytes, statuses: str):
     assert "".join(found) == statuses
 
 
+def test_a_fault_further_on_is_named_by_both_lines():
+    lines = lines_of('\n{"a":\n1,\n"b" 2}')
+    assert lines.where(0) == "in.json:2"
+    assert lines.problems[0].endswith("(NaN and Infinity are not JSON); see line 4")
+
+
 def test_members_of_the_frame_and_the_person():
     frame = {"t": 2, "note": [1], "id": 1, "instances": [{"id": 5, **json.loads(POSE)}], "z": 0}
     (members,) = edmlift.Detections.of(frame).objects
