@@ -99,6 +99,40 @@ def test_a_detectors_format(capsys: pytest.CaptureFixture):
     assert statuses[0] == "too_few_joints" and statuses.count("ok") > 0.8 * len(statuses)
 
 
+CASES = ROOT / "tests" / "python" / "cases"
+
+
+def test_a_folder_and_a_frame_without_people(tmp_path: Path, capsys: pytest.CaptureFixture):
+    for name in ("openpose_0.json", "openpose_1_nobody.json", "openpose_2_two.json"):
+        (tmp_path / name).write_bytes((CASES / name).read_bytes())
+    (tmp_path / "openpose_3.json").write_text('{"people": [{}]}')
+    assert run("lift", tmp_path, "--format", "body25") == 1
+    printed = capsys.readouterr()
+    answers = [json.loads(line) for line in printed.out.splitlines()]
+    assert [one["status"] for one in answers] == ["ok", "nobody", "ok", "ok", "bad_line"]
+    assert answers[1] == {"version": 1.3, "status": "nobody", "joints": None, "misfit": None}
+    assert printed.err == f'edmlift: {tmp_path}/openpose_3.json:1: has no member "keypoints"\n'
+
+
+def test_likely_mistakes_are_said_once(capsys: pytest.CaptureFixture):
+    options = ["--format", "h36m17_right_first"]
+    assert run("lift", CASES / "seventeen_coco.csv", *options) == 0
+    printed = capsys.readouterr()
+    assert printed.out.count("\nok,") == 19 and printed.err.count("\n") == 1
+    assert printed.err.startswith("edmlift: warning: 20 of 20 poses have a quality under 0.2")
+
+
+def test_a_mirror_image(capsys: pytest.CaptureFixture):
+    for options in ([], ["--image", "1080,1920"]):
+        assert run("lift", CASES / "mirrored.csv", "--mirrored", *options) == 0
+        mirrored = capsys.readouterr().out
+        assert run("lift", CASES / "not_mirrored.csv", *options) == 0
+        plain = capsys.readouterr().out
+        numbers = [np.array([line.split(",")[1:] for line in text.split()], float)
+                   for text in (mirrored, plain)]  # fmt: skip
+        np.testing.assert_allclose(*numbers, atol=1e-4)
+
+
 def test_names(capsys: pytest.CaptureFixture):
     assert run("models") == 0
     assert capsys.readouterr().out.split() == list(edmlift.models())
