@@ -122,6 +122,13 @@ def test_likely_mistakes_are_said_once(capsys: pytest.CaptureFixture):
     assert printed.err.startswith("edmlift: warning: 20 of 20 poses have a quality under 0.2")
 
 
+def test_several_people_are_not_a_motion_of_one(tmp_path: Path, capsys: pytest.CaptureFixture):
+    out = tmp_path / "x.bvh"
+    message = fails(capsys, "lift", CASES / "two_people.jsonl", "-o", out)
+    assert "several people a frame, but a motion file is one person's" in message
+    assert not out.exists()
+
+
 def test_a_mirror_image(capsys: pytest.CaptureFixture):
     for options in ([], ["--image", "1080,1920"]):
         assert run("lift", CASES / "mirrored.csv", "--mirrored", *options) == 0
