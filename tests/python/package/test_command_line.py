@@ -124,7 +124,7 @@ def test_likely_mistakes_are_said_once(capsys: pytest.CaptureFixture):
 
 def test_several_people_are_not_a_motion_of_one(tmp_path: Path, capsys: pytest.CaptureFixture):
     out = tmp_path / "x.bvh"
-    message = fails(capsys, "lift", CASES / "two_people.jsonl", "-o", out)
+    message = fails(capsys, "lift", CASES / "two_people.jsonl", "-o", out, "--fps", "30")
     assert "several people a frame, but a motion file is one person's" in message
     assert not out.exists()
 
