@@ -1,12 +1,18 @@
-/* Lines of numbers.
+/* Lines of numbers, perhaps below a heading.
  *
  * SPDX-License-Identifier: MIT
  */
+#include <ctype.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "lift_stdin.h"
+#include "keypoints.h"
+
+enum { LINE_MAX_BYTES = 4096 };
+
+static char wrong[128]; /* what is wrong with a line */
 
 static const char *skip_blanks(const char *p)
 {
@@ -14,47 +20,183 @@ static const char *skip_blanks(const char *p)
     return p;
 }
 
+/* Reads a number, or NaN from nothing or null; returns where it ends, or NULL if there is anything else. */
+static const char *read_number(float *number, const char *p)
+{
+    char *end;
+    *number = NAN;
+    if (*p == ',' || *p == '\0') return p;
+    if (strncmp(p, "null", 4) == 0)
+        end = (char *)(uintptr_t)p + 4;
+    else
+        *number = strtof(p, &end);
+    return end != p && strchr(" \t\r,", *end) != NULL ? end : NULL;
+}
+
 /* Reads numbers separated by commas or blanks; returns their count or, where field n is none, -n.
  * At most `room` are kept, but all are counted. */
 static int read_numbers(float *numbers, int room, const char *p)
 {
-    int count = 0;
-    p = skip_blanks(p);
-    while (*p != '\0') {
-        char *end;
-        const float value = strtof(p, &end);
-        if (end == p || strchr(" \t\r,", *end) == NULL) return -1 - count;
-        if (count < room) numbers[count] = value;
+    for (int count = 0;;) {
+        float number;
+        p = read_number(&number, p);
+        if (p == NULL) return -1 - count;
+        if (count < room) numbers[count] = number;
         count++;
-        p = skip_blanks(end);
-        if (*p != ',') continue;
-        p = skip_blanks(p + 1);
-        if (*p == '\0') return -1 - count; /* nothing after the comma */
+        p = skip_blanks(p);
+        if (*p == '\0') return count;
+        if (*p == ',') p = skip_blanks(p + 1);
     }
-    return count;
 }
 
-static const char *read_csv(edml_keypoint in[], double *time, const char *line, const options *set)
+/* ---- The heading ------------------------------------------------------------------------------- */
+
+/* Which number of the keypoints a column has: 3 * keypoint + axis; -1: none of them. */
+static struct {
+    short number[LINE_MAX_BYTES + 1];
+    int columns; /* 0: there is no heading */
+    int each;    /* 2 or 3 numbers a keypoint */
+} heading;
+
+/* The length of the field at p, without blanks around it; *next: the field behind it, or NULL. */
+static int field_length(const char *p, const char **next)
 {
-    (void)time;
-    static char wrong[128];
+    size_t length = strcspn(p, ",");
+    *next = p[length] == ',' ? skip_blanks(p + length + 1) : NULL;
+    while (length > 0 && strchr(" \t\r", p[length - 1]) != NULL) length--;
+    return (int)length;
+}
+
+/* Is the field the end of a name, behind its last underscore? */
+static int axis_of(const char *suffix, size_t length)
+{
+    static const char *const names[] = {"x", "y", "c", "score", "confidence", "visibility"};
+    for (int n = 0; n < 6; n++) {
+        size_t k = 0;
+        while (k < length && tolower((unsigned char)suffix[k]) == names[n][k]) k++;
+        if (k == length && names[n][k] == '\0') return n < 2 ? n : 2;
+    }
+    return -1;
+}
+
+/* x12, or left_wrist_x. */
+static int number_of(const char *name, int length, const options *set)
+{
+    int at = length;
+    while (at > 0 && name[at - 1] != '_') at--;
+    if (at > 0) {
+        const int axis = axis_of(name + at, (size_t)(length - at));
+        const int keypoint = keypoint_named(name, (size_t)at - 1, set);
+        return axis < 0 || keypoint < 0 ? -1 : 3 * keypoint + axis;
+    }
+    const int axis = length > 1 ? axis_of(name, 1) : -1;
+    const size_t digits = axis >= 0 ? strspn(name + 1, "0123456789") : 0;
+    return digits > 0 && (int)digits == length - 1 && digits < 4 ? 3 * atoi(name + 1) + axis : -1;
+}
+
+static void refuse_heading(const char *why, const options *set)
+{
+    const char *name = name_of_keypoint(0, set);
+    fprintf(stderr, "lift_stdin: the heading %s; columns are x0,y0,c0,x1,...", why);
+    if (name != NULL) fprintf(stderr, " or %s_x,%s_y,%s_score,... of", name, name, name);
+    for (int n = 0; name != NULL && n < keypoints_of(set); n++)
+        fprintf(stderr, "%s %s", n > 0 ? "," : "", name_of_keypoint(n, set));
+    fputs("\n", stderr);
+    exit(EXIT_TROUBLE);
+}
+
+/* Ends the program unless each keypoint has its x and y, and all or none a confidence. */
+static void check_heading(const unsigned char found[3 * KEYPOINTS_MAX], int most, const options *set)
+{
+    int confidences = 0;
+    char why[160];
+    if (most > keypoints_of(set)) {
+        snprintf(why, sizeof why, "has %d keypoints, but %s has %d%s", most, name_of(set),
+                 keypoints_of(set), formats_with(most, 0));
+        refuse_heading(why, set);
+    }
+    for (int n = 0; n < 3 * keypoints_of(set); n++) {
+        confidences += n % 3 == 2 && found[n];
+        if (found[n] == 1 || (n % 3 == 2 && found[n] == 0)) continue;
+        snprintf(why, sizeof why, "has %s column %c%d", found[n] == 0 ? "no" : "more than one",
+                 "xyc"[n % 3], n / 3);
+        refuse_heading(why, set);
+    }
+    if (confidences > 0 && confidences < keypoints_of(set))
+        refuse_heading("has a confidence for some keypoints only", set);
+    heading.each = confidences > 0 ? 3 : 2;
+}
+
+/* Words, at least two a keypoint: takes them as names of columns.  Returns 0 if the line is none. */
+static int read_heading(const char *line, const options *set)
+{
+    unsigned char found[3 * KEYPOINTS_MAX] = {0};
+    float number;
+    int columns = 0, most = 0;
+    if (read_number(&number, line) != NULL || *line == '{' || *line == '[') return 0;
+    for (const char *p = line, *next; p != NULL; p = next, columns++) {
+        const int n = number_of(p, field_length(p, &next), set);
+        heading.number[columns] = (short)n;
+        if (n < 0) continue;
+        if (n / 3 >= most) most = n / 3 + 1;
+        if (n < 3 * KEYPOINTS_MAX && found[n] < 2) found[n]++;
+    }
+    if (columns < 2 * keypoints_of(set)) return 0;
+    heading.columns = columns;
+    check_heading(found, most, set);
+    return 1;
+}
+
+/* A line below the heading. */
+static const char *read_row(edml_keypoint in[], const char *line, const options *set)
+{
     float numbers[3 * KEYPOINTS_MAX];
+    int columns = 0;
+    for (const char *p = line, *next; p != NULL; p = next, columns++) {
+        const int length = field_length(p, &next),
+                  n = columns < heading.columns ? heading.number[columns] : -1;
+        if (n < 0) continue;
+        const char *end = length > 0 ? read_number(&numbers[n], p) : p;
+        if (length == 0) numbers[n] = NAN;
+        if (end == p + length) continue;
+        snprintf(wrong, sizeof wrong, "field %d is not a number", columns + 1);
+        return wrong;
+    }
+    if (columns != heading.columns) {
+        snprintf(wrong, sizeof wrong, "%d fields, but the heading has %d", columns, heading.columns);
+        return wrong;
+    }
+    for (int n = 0; n < keypoints_of(set); n++)
+        in[n] = keypoint_of(numbers + 3 * n, heading.each, set->threshold);
+    return NULL;
+}
+
+static const char *read_keypoints(edml_keypoint in[], const char *line, const options *set)
+{
+    static char long_wrong[384];
+    float numbers[3 * KEYPOINTS_MAX];
+    if (heading.columns > 0) return read_row(in, line, set);
     const int keypoints = keypoints_of(set);
     const int count = read_numbers(numbers, 3 * keypoints, line);
-    if (*line == '{') return "a JSON object: give --json";
+    if (*line == '{' || *line == '[') return "JSON: give --json";
     if (count < 0) {
         snprintf(wrong, sizeof wrong, "field %d is not a number (commas or blanks separate them)", -count);
         return wrong;
     }
     if (count != 2 * keypoints && count != 3 * keypoints) {
-        snprintf(wrong, sizeof wrong, "%d numbers, but %s has %d or %d%s", count, name_of(set),
-                 2 * keypoints, 3 * keypoints, hint_of(set));
-        return wrong;
+        snprintf(long_wrong, sizeof long_wrong, "%d numbers, but %s has %d or %d%s", count, name_of(set),
+                 2 * keypoints, 3 * keypoints, formats_with(count, 1));
+        return long_wrong;
     }
     const int each = count / keypoints;
-    for (int n = 0; n < keypoints; n++) in[n] = keypoint_of(numbers + n * each, each, set->threshold);
+    for (int n = 0; n < keypoints; n++) {
+        order_axes(numbers + n * each, set);
+        in[n] = keypoint_of(numbers + n * each, each, set->threshold);
+    }
     return NULL;
 }
+
+/* ---- Answers ----------------------------------------------------------------------------------- */
 
 static void write_fields(const float *values, int count)
 {
@@ -65,9 +207,8 @@ static void write_fields(const float *values, int count)
             printf(",%.6g", (double)values[n]);
 }
 
-static void write_csv(const char *line, const answer *out, const options *set)
+static void write_answer(const answer *out, const options *set)
 {
-    (void)line;
     const int lifted = strcmp(out->status, "ok") == 0;
     fputs(out->status, stdout);
     write_fields(lifted ? &out->pose.joint[0].x : NULL, 3 * EDML_JOINTS);
@@ -84,7 +225,7 @@ static void write_csv(const char *line, const answer *out, const options *set)
     putchar('\n');
 }
 
-void print_csv_header(const options *set)
+static void print_header(const options *set)
 {
     fputs("status", stdout);
     for (int j = 0; j < EDML_JOINTS; j++) printf(",x%d,y%d,z%d", j, j, j);
@@ -96,4 +237,59 @@ void print_csv_header(const options *set)
     fflush(stdout);
 }
 
-const line_format csv = {4096, read_csv, write_csv};
+/* ---- All lines --------------------------------------------------------------------------------- */
+
+typedef enum { LINE_END, LINE_READ, LINE_TOO_LONG } line_result;
+
+static int is_blank(int c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+/* Reads a line without its end and its leading blanks, whatever bytes it holds.  A line that is too long
+ * is read to its end; its beginning is kept. */
+static line_result read_line(char line[LINE_MAX_BYTES + 1], size_t *length)
+{
+    size_t bytes = 0, kept = 0;
+    int c;
+    while ((c = getchar()) != EOF && c != '\n') {
+        bytes++;
+        if (kept < LINE_MAX_BYTES && !(kept == 0 && is_blank(c))) line[kept++] = (char)c;
+    }
+    line[kept] = '\0';
+    *length = kept;
+    if (c == EOF && bytes == 0) return LINE_END;
+    return bytes > LINE_MAX_BYTES ? LINE_TOO_LONG : LINE_READ;
+}
+
+/* Answers a line; NULL: it was not read whole, and `why` says why not. */
+static void answer_line(person *who, const char *line, const char *why, const options *set)
+{
+    static const answer bad_line = {.status = "bad_line"};
+    answer out;
+    if (line != NULL) why = read_keypoints(who->in, line, set);
+    if (why == NULL) why = lift_person(&out, who, set);
+    if (why != NULL) note_bad(who->line, why);
+    write_answer(why != NULL ? &bad_line : &out, set);
+    fflush(stdout);
+    who->frame++;
+}
+
+void lift_csv(const options *set)
+{
+    static char buffer[LINE_MAX_BYTES + 1];
+    static person who;
+    line_result result;
+    size_t length = 0;
+    int first = 1;
+    if (set->header) print_header(set);
+    who.time = -1;
+    while (!ferror(stdout) && (result = read_line(buffer, &length)) != LINE_END) {
+        const int mark = ++who.line == 1 && strncmp(buffer, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0; /* BOM */
+        const char *line = skip_blanks(buffer + mark);
+        if (*line == '#' || line == buffer + length) continue;
+        const int whole = result == LINE_READ && strlen(buffer) == length;
+        const int named = first && whole && read_heading(line, set);
+        first = 0;
+        if (named) continue;
+        answer_line(&who, whole ? line : NULL,
+                    result == LINE_TOO_LONG ? "longer than 4096 bytes" : "holds a zero byte", set);
+    }
+}

@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include <math.h>
+#include <string.h>
 
 #include "lift_stdin.h"
 
@@ -77,18 +78,32 @@ static edml_status lift_still(edml_pose_q *pose, const edml_keypoint_q in[EDML_J
     return edml_lift_q(pose, in, up, set->model, work, work_bytes);
 }
 
+/* The joints that keypoints show. */
+static void adapt_fixed(edml_keypoint_q joints[EDML_JOINTS], const edml_keypoint_q in[], const options *set)
+{
+    edml_keypoint_q seen[EDML_JOINTS];
+    if (set->format != NULL)
+        edml_adapt_q(seen, in, set->format);
+    else
+        memcpy(seen, in, sizeof seen);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        joints[j] = seen[set->mirrored ? edml_mirror_joint[j] : j];
+        if (set->mirrored)
+            joints[j].x = saturate((double)to_fixed(set->width) - joints[j].x, INT32_MIN, INT32_MAX);
+    }
+}
+
 edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set)
 {
-    edml_keypoint_q keypoints[KEYPOINTS_MAX], joints[EDML_JOINTS];
+    edml_keypoint_q keypoints[KEYPOINTS_MAX], seen[EDML_JOINTS];
     edml_pose_q lifted;
     static edml_fconv_work_q work;
     for (int n = 0; n < keypoints_of(set); n++) keypoints[n] = to_q16(in[n]);
-    if (set->format != NULL) edml_adapt_q(joints, keypoints, set->format);
-    const edml_keypoint_q *seen = set->format != NULL ? joints : keypoints;
+    adapt_fixed(seen, keypoints, set);
     edml_status status = lift_still(&lifted, seen, set, &work, sizeof work);
     if (status != EDML_OK) return status;
     int32_t quality = 0; /* also of a pose that has none */
-    if (set->quality) (void)edml_quality_q(&quality, &lifted);
+    (void)edml_quality_q(&quality, &lifted);
     out->quality = to_float(quality);
     const edml_body_q body = {to_fixed(set->body.height), {0}};
     if (set->body.height > 0) status = edml_fit_body_q(&lifted, &body);

@@ -1,5 +1,6 @@
-/* What the parts of lift_stdin share: main.c reads lines and lifts, in fixed point by fixed.c; csv.c
- * and jsonl.c know what a line looks like, options.c the command line.
+/* What the parts of lift_stdin share.  csv.c and people.c find people in lines and in JSON; numbers.c,
+ * keypoints.c and names.c read their keypoints; main.c lifts them, in fixed point by fixed.c, each person of a
+ * video by its track in tracks.c; mistakes.c looks for likely ones; options.c knows the command line.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -16,6 +17,9 @@
 enum { EXIT_OK = 0, EXIT_BAD_LINES = 1, EXIT_TROUBLE = 2 };
 enum { KEYPOINTS_MAX = 255 }; /* of a format */
 
+/* A detector's keypoints with scores up to this one are mostly guesses (docs/detectors.md). */
+#define DETECTORS_THRESHOLD 0.2F
+
 typedef struct {
     const edml_model *model;
     const edml_format *format; /* NULL: the joints of edml_lift() themselves */
@@ -30,6 +34,7 @@ typedef struct {
     edml_body body;            /* height 0: not given */
     int quality;               /* print it */
     int angles;                /* print them */
+    int mirrored;              /* the image is a mirror image */
     int header, json, fixed;
 } options;
 
@@ -38,6 +43,7 @@ typedef struct {
     const char *status; /* nothing follows any but "ok" */
     edml_pose pose;     /* rotated as it was placed, if it was */
     float quality;
+    long person;               /* the number of the track of one of several; below 0: none */
     const char *placed;        /* nothing follows any but "ok" */
     edml_point root;           /* mid-hip before the camera, metres */
     float reprojection, focal; /* pixels */
@@ -64,23 +70,44 @@ static inline const char *name_of(const options *set)
     return set->format != NULL ? set->format->name : "a pose";
 }
 
-/* What to try when the number of keypoints is wrong. */
-static inline const char *hint_of(const options *set)
-{
-    return set->format != NULL ? "" : "; a detector's keypoints need --format";
-}
-
-/* One kind of line.  `read` fills the keypoints, and the time in seconds where lines have one, and
- * returns NULL, or what is wrong with the line; `write` answers the line, which is NULL if it was not read
- * whole. */
+/* Someone in a frame, as the input has them. */
 typedef struct {
-    int longest; /* bytes of a line */
-    const char *(*read)(edml_keypoint in[], double *time, const char *line, const options *set);
-    void (*write)(const char *line, const answer *out, const options *set);
-} line_format;
+    unsigned long line, frame; /* from 1; from 0 */
+    double time;               /* seconds; below 0: not known */
+    int listed;                /* perhaps one of several */
+    uint64_t id;               /* by which the input tells people apart; 0: none */
+    edml_keypoint in[KEYPOINTS_MAX];
+} person;
 
-extern const line_format csv, jsonl;
-void print_csv_header(const options *set);
+/* Lifts someone; returns NULL or what is wrong with the keypoints. */
+const char *lift_person(answer *out, person *who, const options *set);
+
+/* Says what is wrong with a line, or with a value that begins there. */
+void note_bad(unsigned long line, const char *wrong);
+
+/* Read all of standard input.  The answer to a line, or a person, is written before they read on. */
+void lift_csv(const options *set);
+void lift_json(const options *set);
+
+/* One person of a video. */
+typedef struct {
+    edml_track track;
+    uint64_t id;    /* of the input; 0: none */
+    long number;    /* from 0, in the order of their first frames; below 0: it has none */
+    double last_ms; /* of its last frame */
+    int in_use, alone;
+} person_track;
+
+/* The track of someone; NULL: there are too many people. */
+person_track *find_track(const person *who, const edml_keypoint joints[EDML_JOINTS], double ms);
+
+/* After a lift by this track: was it one? */
+void feed_track(person_track *track, double ms, int lifted);
+
+/* Counts what likely mistakes show in a pose that was lifted; prints warnings at the end. */
+void note_pose(const person *who, const edml_keypoint joints[EDML_JOINTS], float quality,
+               const options *set);
+void print_warnings(const options *set);
 
 /* The angles of the pose in the answer, as columns or a member (angles.c). */
 void write_angle_names(void);
@@ -92,8 +119,5 @@ edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set
 
 /* Puts a placement, or the reason for none, into the answer. */
 void take_placement(answer *out, edml_status status, const edml_placement *placement, float focal);
-
-/* A detection: x, y and perhaps c. */
-edml_keypoint keypoint_of(const float *numbers, int count, float threshold);
 
 #endif

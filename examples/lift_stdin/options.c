@@ -261,7 +261,7 @@ static void finish_camera(options *set)
 
 options read_options(char **argv)
 {
-    options set = {.model = NULL};
+    options set = {.model = NULL, .threshold = -1};
     for (int i = 1; argv[i] != NULL; i++) {
         if (set_value(&set, argv, &i)) continue;
         print_and_exit(argv[i]);
@@ -275,6 +275,8 @@ options read_options(char **argv)
             set.json = 1;
         } else if (strcmp(argv[i], "--fixed") == 0) {
             set.fixed = 1;
+        } else if (strcmp(argv[i], "--mirrored") == 0) {
+            set.mirrored = 1;
         } else if (argv[i][0] != '-') {
             fprintf(stderr, "lift_stdin: takes no files: lift_stdin < '%s'\n", argv[i]);
             exit(EXIT_TROUBLE);
@@ -286,10 +288,13 @@ options read_options(char **argv)
     if (set.model == NULL) set.model = models[set.fixed ? FIRST_QUANTISED : 0];
     if (set.fixed && edml_model_work_bytes_q(set.model) == 0)
         refuse("--fixed needs a quantised network, such as distances_w16");
+    if (set.threshold < 0) set.threshold = set.format != NULL ? DETECTORS_THRESHOLD : 0;
     const int normalised = set.format != NULL && set.format->normalised;
     if (normalised && set.width == 0)
         refuse("keypoints of this format are normalised: give the image's size with --image WIDTH,HEIGHT");
     finish_camera(&set);
+    if (set.mirrored && places(&set) && set.width == 0)
+        refuse("--mirrored with --camera needs the size of the image: --image WIDTH,HEIGHT");
     if (set.fixed && set.track) refuse("--track works in float only: give --track or --fixed, not both");
     if (set.quality && set.track)
         refuse("--quality is for single lifts: give --quality or --track, not both");

@@ -1,0 +1,39 @@
+/* A person of JSON: its answer.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef LIFT_STDIN_PERSON_H
+#define LIFT_STDIN_PERSON_H
+
+#include "lift_stdin.h"
+
+/* Names of members that hold a person's keypoints, and of those that hold people, or frames of them. */
+extern const char *const person_names[], *const people_names[];
+
+/* Which of the names, which end with NULL, the member at p has; -1: none of them. */
+int name_among(const char *p, const char *const names[]);
+
+/* A person as JSON has it. */
+typedef struct {
+    unsigned long line; /* where it begins */
+    const char
+        *head; /* the members of its frame that the answer repeats: an object without its last bracket */
+    const char *text; /* its own: an object, or a set of keypoints alone; NULL: nobody */
+    int listed;       /* it is an element of an array */
+} json_person;
+
+/* People of an array are of one frame as long as this is the same: a hash of their frame's number, 0 if they have
+ * none. */
+uint64_t frame_of(const json_person *one);
+
+/* Lifts and answers it, or answers that nobody is there; `frame` is counted from 0. */
+void answer_person(const json_person *one, unsigned long frame, const options *set);
+
+/* Is it a list of people that are sets of keypoints, in an object's member?  Returns the list, and in *member the member;
+ * or NULL. */
+const char *list_of_sets(const char *object, const char **member);
+
+/* Says what is wrong, and answers with a bad line; `one` may be NULL. */
+void answer_bad(const json_person *one, unsigned long line, const char *wrong, const options *set);
+
+#endif
