@@ -101,15 +101,26 @@ static void refuse_heading(const char *why, const options *set)
     if (name != NULL) fprintf(stderr, " or %s_x,%s_y,%s_score,... of", name, name, name);
     for (int n = 0; name != NULL && n < keypoints_of(set); n++)
         fprintf(stderr, "%s %s", n > 0 ? "," : "", name_of_keypoint(n, set));
-    fputs("\n", stderr);
+    fputs(set->format == NULL ? "; a detector's keypoints need --format\n" : "\n", stderr);
     exit(EXIT_TROUBLE);
+}
+
+static void refuse_column(int number, const char *how_many, const options *set)
+{
+    char why[96];
+    const char *name = name_of_keypoint(number / 3, set), axis = "xyc"[number % 3];
+    if (name == NULL)
+        snprintf(why, sizeof why, "has %s column %c%d", how_many, axis, number / 3);
+    else
+        snprintf(why, sizeof why, "has %s column %s_%c or %c%d", how_many, name, axis, axis, number / 3);
+    refuse_heading(why, set);
 }
 
 /* Ends the program unless each keypoint has its x and y, and all or none a confidence. */
 static void check_heading(const unsigned char found[3 * KEYPOINTS_MAX], int most, const options *set)
 {
     int confidences = 0;
-    char why[160];
+    char why[384];
     if (most > keypoints_of(set)) {
         snprintf(why, sizeof why, "has %d keypoints, but %s has %d%s", most, name_of(set),
                  keypoints_of(set), formats_with(most, 0));
@@ -118,16 +129,14 @@ static void check_heading(const unsigned char found[3 * KEYPOINTS_MAX], int most
     for (int n = 0; n < 3 * keypoints_of(set); n++) {
         confidences += n % 3 == 2 && found[n];
         if (found[n] == 1 || (n % 3 == 2 && found[n] == 0)) continue;
-        snprintf(why, sizeof why, "has %s column %c%d", found[n] == 0 ? "no" : "more than one",
-                 "xyc"[n % 3], n / 3);
-        refuse_heading(why, set);
+        refuse_column(n, found[n] == 0 ? "no" : "more than one", set);
     }
     if (confidences > 0 && confidences < keypoints_of(set))
         refuse_heading("has a confidence for some keypoints only", set);
     heading.each = confidences > 0 ? 3 : 2;
 }
 
-/* Words, at least two a keypoint: takes them as names of columns.  Returns 0 if the line is none. */
+/* Words, at least two a keypoint: takes them as names of columns.  Returns 0 if the line is anything else. */
 static int read_heading(const char *line, const options *set)
 {
     unsigned char found[3 * KEYPOINTS_MAX] = {0};
@@ -141,6 +150,7 @@ static int read_heading(const char *line, const options *set)
         if (n / 3 >= most) most = n / 3 + 1;
         if (n < 3 * KEYPOINTS_MAX && found[n] < 2) found[n]++;
     }
+    if (strncmp(line, "status,", 7) == 0) refuse_heading("is that of poses, which are lifted already", set);
     if (columns < 2 * keypoints_of(set)) return 0;
     heading.columns = columns;
     check_heading(found, most, set);

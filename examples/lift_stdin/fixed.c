@@ -86,11 +86,7 @@ static void adapt_fixed(edml_keypoint_q joints[EDML_JOINTS], const edml_keypoint
         edml_adapt_q(seen, in, set->format);
     else
         memcpy(seen, in, sizeof seen);
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        joints[j] = seen[set->mirrored ? edml_mirror_joint[j] : j];
-        if (set->mirrored)
-            joints[j].x = saturate((double)to_fixed(set->width) - joints[j].x, INT32_MIN, INT32_MAX);
-    }
+    for (int j = 0; j < EDML_JOINTS; j++) joints[j] = seen[set->mirrored ? edml_mirror_joint[j] : j];
 }
 
 edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set)

@@ -18,7 +18,7 @@ enum { EXIT_OK = 0, EXIT_BAD_LINES = 1, EXIT_TROUBLE = 2 };
 enum { KEYPOINTS_MAX = 255 }; /* of a format */
 
 /* A detector's keypoints with scores up to this one are mostly guesses (docs/detectors.md). */
-#define DETECTORS_THRESHOLD 0.2F
+#define DETECTORS_THRESHOLD 0.1F
 
 typedef struct {
     const edml_model *model;
@@ -101,7 +101,7 @@ typedef struct {
 /* The track of someone; NULL: there are too many people. */
 person_track *find_track(const person *who, const edml_keypoint joints[EDML_JOINTS], double ms);
 
-/* After a lift by this track: was it one? */
+/* After a frame of this track: one that is refused does not begin it. */
 void feed_track(person_track *track, double ms, int lifted);
 
 /* Counts what likely mistakes show in a pose that was lifted; prints warnings at the end. */

@@ -93,6 +93,12 @@ static void drop_outside(edml_keypoint in[], const options *set)
         if (is_outside(in[n], set->width, set->height)) in[n].c = 0;
 }
 
+/* Makes one image of its mirror image, but for the names of sides. */
+static void mirror(edml_keypoint in[], const options *set)
+{
+    for (int n = 0; n < keypoints_of(set) && set->mirrored; n++) in[n].x = set->width - in[n].x;
+}
+
 /* The joints that keypoints show. */
 static void adapt(edml_keypoint joints[EDML_JOINTS], const edml_keypoint in[], const options *set)
 {
@@ -101,10 +107,7 @@ static void adapt(edml_keypoint joints[EDML_JOINTS], const edml_keypoint in[], c
         edml_adapt(seen, in, set->format);
     else
         memcpy(seen, in, sizeof seen);
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        joints[j] = seen[set->mirrored ? edml_mirror_joint[j] : j];
-        if (set->mirrored) joints[j].x = set->width - joints[j].x;
-    }
+    for (int j = 0; j < EDML_JOINTS; j++) joints[j] = seen[set->mirrored ? edml_mirror_joint[j] : j];
 }
 
 static edml_status lift(answer *out, edml_keypoint joints[EDML_JOINTS], double ms, person_track *by,
@@ -112,9 +115,9 @@ static edml_status lift(answer *out, edml_keypoint joints[EDML_JOINTS], double m
 {
     edml_status status = lift_frame(&out->pose, joints, ms, by != NULL ? &by->track : NULL, set);
     if (by != NULL) feed_track(by, ms, status == EDML_OK);
+    out->person = by != NULL ? by->number : -1;
     if (status != EDML_OK) return status;
     if (by != NULL) edml_track_swap_sides(joints, &by->track); /* the keypoints that it was lifted from */
-    out->person = by != NULL ? by->number : -1;
     if (edml_quality(&out->quality, &out->pose) != EDML_OK)
         out->quality = 0; /* a joint beyond 4 m, which only a float network can give */
     if (set->body.height > 0) status = edml_fit_body(&out->pose, &set->body);
@@ -149,6 +152,7 @@ const char *lift_person(answer *out, person *who, const options *set)
     const char *wrong = to_pixels(who->in, set);
     if (wrong != NULL) return wrong;
     drop_outside(who->in, set);
+    mirror(who->in, set);
     adapt(joints, who->in, set);
     out->person = -1;
     const double ms = set->track ? time_of(who, set) : 0;

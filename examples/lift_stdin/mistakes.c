@@ -66,7 +66,8 @@ void print_warnings(const options *set)
              "is "
              "well");
     if (!seen.beyond && !normalised)
-        warn("all coordinates are within 0 and 1: are they shares of the image's size? Multiply x by its width "
+        warn("all coordinates are within 0 and 1: are they shares of the image's size? Multiply x by its "
+             "width "
              "and y by its height, or name a format that has them: blazepose33, movenet17");
     if (2 * seen.poor > seen.poses)
         warn("most poses have a quality under 0.2: is --format that of your keypoints, in their order? "

@@ -173,14 +173,21 @@ static void answer_sets(const object_state *object, const options *set)
     drop_head(before);
 }
 
+static void bad_object(const object_state *object, const char *wrong, const options *set)
+{
+    const json_person one = person_from(object->start, object->line);
+    count_frame(at.begins ? 0 : at.key);
+    answer_bad(object->is_frame ? NULL : &one, object->line, wrong, set);
+}
+
 /* Answers an object at its end, unless its people have their answers. */
 static found end_object(const object_state *object, const options *set)
 {
     const char *member;
-    if (object->twice)
-        bad(object->line, "has more than one member that holds keypoints or people", set);
-    else if (object->cut && !object->is_frame)
+    if (object->cut && !object->is_frame)
         bad(object->line, too_long, set);
+    else if (object->twice)
+        bad_object(object, "has more than one member that holds keypoints or people", set);
     else if (object->is_person && list_of_sets(json_text(&in) + object->start, &member) != NULL)
         answer_sets(object, set);
     else if (object->is_person)

@@ -186,19 +186,19 @@ static void write_answer(const json_person *one, const answer *out, const option
     fflush(stdout);
 }
 
-void answer_bad(const json_person *one, unsigned long line, const char *wrong, const options *set)
-{
-    static const answer bad_line = {.status = "bad_line", .person = -1};
-    note_bad(line, wrong);
-    write_answer(one, &bad_line, set);
-}
-
 /* The member of a person that the answer adds as well; NULL: there is none. */
 static const char *repeated(const json_person *one, const options *set)
 {
     const char *name = name_of_answer(one->head, one->listed, set);
     if (name != NULL || one->text == NULL || *one->text != '{') return name;
     return name_of_answer(one->text, one->listed, set);
+}
+
+void answer_bad(const json_person *one, unsigned long line, const char *wrong, const options *set)
+{
+    static const answer bad_line = {.status = "bad_line", .person = -1};
+    note_bad(line, wrong);
+    write_answer(one != NULL && repeated(one, set) == NULL ? one : NULL, &bad_line, set);
 }
 
 /* The keypoints and their scores; *set_text is NULL if nobody is there.  Returns NULL or what is wrong. */
@@ -246,7 +246,7 @@ void answer_person(const json_person *one, unsigned long frame, const options *s
     const char *twice = repeated(one, set);
     if (twice != NULL) {
         snprintf(wrong, sizeof wrong, "has a member \"%s\", which the answer adds: rename it", twice);
-        answer_bad(NULL, one->line, wrong, set);
+        answer_bad(one, one->line, wrong, set);
         return;
     }
     const char *why = lift(&out, one, frame, set);

@@ -71,10 +71,7 @@ person_track *find_track(const person *who, const edml_keypoint joints[EDML_JOIN
 void feed_track(person_track *track, double ms, int lifted)
 {
     if (track->alone) return;
-    if (lifted) {
-        track->last_ms = ms;
-        if (track->number < 0) track->number = numbers++;
-    } else if (track->number < 0) {
-        track->in_use = 0; /* it has not begun */
-    }
+    if (track->number < 0 && lifted) track->number = numbers++;
+    track->in_use = track->number >= 0;
+    track->last_ms = ms;
 }
