@@ -36,7 +36,8 @@ static const char usage[] =
     "not_finite (infinity), degenerate (on a point or a line, or like no person), or time (with\n"
     "--track, not later than the one before).  A line that is not a pose has bad_line.  Warnings of\n"
     "likely mistakes follow on standard error at the end.\n"
-    "\n"
+    "\n";
+static const char usage_of_options[] = /* apart, because compilers need not take over 4095 characters */
     "  --format NAME   keypoints of a detector, such as coco17; --list-formats has all\n"
     "  --image W,H     size of the image in pixels: keypoints outside are not seen.  --focal needs it,\n"
     "                  and so do blazepose33 and movenet17, whose keypoints are shares of it\n"
@@ -252,7 +253,7 @@ static void print_and_exit(const char *option)
     else if (strcmp(option, "--list-formats") == 0)
         print_formats(stdout);
     else if (strcmp(option, "--help") == 0)
-        fputs(usage, stdout);
+        fputs(usage, stdout), fputs(usage_of_options, stdout);
     else if (strcmp(option, "--version") == 0)
         puts("lift_stdin (edmlift) " EDML_VERSION_STRING);
     else
