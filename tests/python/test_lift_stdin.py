@@ -1,6 +1,6 @@
 """Every promise of examples/lift_stdin: a line of input to a line of output, whatever the line.
 
-EDMLIFT_LIFT_STDIN names the program; without it, the one in build/dev, or skipped if not built.
+test_lift_stdin_detectors.py has what detectors write.
 """
 
 import json
@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stdin_support import PROGRAM, WALK, as_json, objects, run, text
 from support import need_library
 
 import edmlift as package
@@ -25,19 +26,7 @@ STATUSES = set(re.findall(r'X\(EDML_\w+, +-?\d+, "(\w+)"\)', HEADER)) | {"bad_li
 VERSION = re.search(r'EDML_VERSION_STRING "(.+)"', HEADER).group(1)
 COLUMNS = 44
 LINE_MAX = 4096
-PROGRAM = Path(
-    os.environ.get("EDMLIFT_LIFT_STDIN", ROOT / "build" / "dev" / "examples" / "lift_stdin")
-)
-if "EDMLIFT_LIFT_STDIN" not in os.environ and not PROGRAM.exists():
-    pytest.skip("lift_stdin is not built", allow_module_level=True)
-
-WALK = np.loadtxt(ROOT / "examples" / "data" / "walk.csv", delimiter=",").reshape(-1, 14, 3)
 RIGHT_ARM, LEGS = [3, 4], [8, 9, 10, 11, 12, 13]
-
-
-def text(pose: np.ndarray, separator: str = ",") -> str:
-    """A line without its end; pose [14,2] or [14,3]."""
-    return separator.join(f"{number:g}" for number in np.ravel(pose))
 
 
 def unseen(joints: list[int], pose: np.ndarray = WALK[0]) -> np.ndarray:
@@ -48,11 +37,6 @@ def unseen(joints: list[int], pose: np.ndarray = WALK[0]) -> np.ndarray:
 
 GOOD = text(WALK[0])
 OTHER = text(WALK[20])
-
-
-def run(data: str | bytes, *options: str) -> subprocess.CompletedProcess:
-    data = data.encode() if isinstance(data, str) else data
-    return subprocess.run([PROGRAM, *options], input=data, capture_output=True, timeout=300)
 
 
 def rows(result: subprocess.CompletedProcess) -> list[list[str]]:
@@ -566,14 +550,6 @@ def test_threshold_is_for_the_keypoints_of_the_detector():
 
 
 # ---- JSON ------------------------------------------------------------------------------------
-
-
-def as_json(pose: np.ndarray, **members) -> str:
-    return json.dumps(members | {"keypoints": np.round(pose, 6).tolist()})
-
-
-def objects(result: subprocess.CompletedProcess) -> list[dict]:
-    return [json.loads(line) for line in result.stdout.decode("utf-8").splitlines()]
 
 
 def answer(row: list[str]) -> dict:
