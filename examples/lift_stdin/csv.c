@@ -54,7 +54,7 @@ static int read_numbers(float *numbers, int room, const char *p)
 /* Which number of the keypoints a column has: 3 * keypoint + axis; -1: none of them. */
 static struct {
     short number[LINE_MAX_BYTES + 1];
-    int columns; /* 0: there is no heading */
+    int columns; /* 0: there is no heading; below 0: it is of no use */
     int each;    /* 2 or 3 numbers a keypoint */
 } heading;
 
@@ -94,7 +94,7 @@ static int number_of(const char *name, int length, const options *set)
     return digits > 0 && (int)digits == length - 1 && digits < 4 ? 3 * atoi(name + 1) + axis : -1;
 }
 
-static void refuse_heading(const char *why, const options *set)
+static int refuse_heading(const char *why, const options *set)
 {
     const char *name = name_of_keypoint(0, set);
     fprintf(stderr, "lift_stdin: the heading %s; columns are x0,y0,c0,x1,...", why);
@@ -102,10 +102,10 @@ static void refuse_heading(const char *why, const options *set)
     for (int n = 0; name != NULL && n < keypoints_of(set); n++)
         fprintf(stderr, "%s %s", n > 0 ? "," : "", name_of_keypoint(n, set));
     fputs(set->format == NULL ? "; a detector's keypoints need --format\n" : "\n", stderr);
-    exit(EXIT_TROUBLE);
+    return 0;
 }
 
-static void refuse_column(int number, const char *how_many, const options *set)
+static int refuse_column(int number, const char *how_many, const options *set)
 {
     char why[96];
     const char *name = name_of_keypoint(number / 3, set), axis = "xyc"[number % 3];
@@ -113,27 +113,28 @@ static void refuse_column(int number, const char *how_many, const options *set)
         snprintf(why, sizeof why, "has %s column %c%d", how_many, axis, number / 3);
     else
         snprintf(why, sizeof why, "has %s column %s_%c or %c%d", how_many, name, axis, axis, number / 3);
-    refuse_heading(why, set);
+    return refuse_heading(why, set);
 }
 
-/* Ends the program unless each keypoint has its x and y, and all or none a confidence. */
-static void check_heading(const unsigned char found[3 * KEYPOINTS_MAX], int most, const options *set)
+/* Returns 0 unless each keypoint has its x and y, and all or none a confidence. */
+static int check_heading(const unsigned char found[3 * KEYPOINTS_MAX], int most, const options *set)
 {
     int confidences = 0;
     char why[384];
     if (most > keypoints_of(set)) {
         snprintf(why, sizeof why, "has %d keypoints, but %s has %d%s", most, name_of(set),
                  keypoints_of(set), formats_with(most, 0));
-        refuse_heading(why, set);
+        return refuse_heading(why, set);
     }
     for (int n = 0; n < 3 * keypoints_of(set); n++) {
         confidences += n % 3 == 2 && found[n];
         if (found[n] == 1 || (n % 3 == 2 && found[n] == 0)) continue;
-        refuse_column(n, found[n] == 0 ? "no" : "more than one", set);
+        return refuse_column(n, found[n] == 0 ? "no" : "more than one", set);
     }
     if (confidences > 0 && confidences < keypoints_of(set))
-        refuse_heading("has a confidence for some keypoints only", set);
+        return refuse_heading("has a confidence for some keypoints only", set);
     heading.each = confidences > 0 ? 3 : 2;
+    return 1;
 }
 
 /* Words, at least two a keypoint: takes them as names of columns.  Returns 0 if the line is anything else. */
@@ -142,7 +143,9 @@ static int read_heading(const char *line, const options *set)
     unsigned char found[3 * KEYPOINTS_MAX] = {0};
     float number;
     int columns = 0, most = 0;
-    if (read_number(&number, line) != NULL || *line == '{' || *line == '[') return 0;
+    const char *first = line; /* that is not blank, as the name of an index may be */
+    while (*first == ',') first = skip_blanks(first + 1);
+    if (read_number(&number, first) != NULL || *first == '{' || *first == '[') return 0;
     for (const char *p = line, *next; p != NULL; p = next, columns++) {
         const int n = number_of(p, field_length(p, &next), set);
         heading.number[columns] = (short)n;
@@ -150,11 +153,14 @@ static int read_heading(const char *line, const options *set)
         if (n / 3 >= most) most = n / 3 + 1;
         if (n < 3 * KEYPOINTS_MAX && found[n] < 2) found[n]++;
     }
-    if (strncmp(line, "status,", 7) == 0) refuse_heading("is that of poses, which are lifted already", set);
-    if (columns < 2 * keypoints_of(set)) return 0;
-    heading.columns = columns;
-    check_heading(found, most, set);
-    return 1;
+    heading.columns = -1;
+    if (strncmp(line, "status,", 7) == 0)
+        (void)refuse_heading("is that of poses, which are lifted already", set);
+    else if (columns < 2 * keypoints_of(set))
+        heading.columns = 0;
+    else if (check_heading(found, most, set))
+        heading.columns = columns;
+    return heading.columns != 0;
 }
 
 /* A line below the heading. */
@@ -255,11 +261,11 @@ static int is_blank(int c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 /* Reads a line without its end and its leading blanks, whatever bytes it holds.  A line that is too long
  * is read to its end; its beginning is kept. */
-static line_result read_line(char line[LINE_MAX_BYTES + 1], size_t *length)
+static line_result read_line(char line[LINE_MAX_BYTES + 1], size_t *length, FILE *file)
 {
     size_t bytes = 0, kept = 0;
     int c;
-    while ((c = getchar()) != EOF && c != '\n') {
+    while ((c = getc(file)) != EOF && c != '\n') {
         bytes++;
         if (kept < LINE_MAX_BYTES && !(kept == 0 && is_blank(c))) line[kept++] = (char)c;
     }
@@ -282,7 +288,7 @@ static void answer_line(person *who, const char *line, const char *why, const op
     who->frame++;
 }
 
-void lift_csv(const options *set)
+int lift_csv(FILE *file, const options *set)
 {
     static char buffer[LINE_MAX_BYTES + 1];
     static person who;
@@ -290,16 +296,20 @@ void lift_csv(const options *set)
     size_t length = 0;
     int first = 1;
     if (set->header) print_header(set);
+    heading.columns = 0;
+    who.line = who.frame = 0;
     who.time = -1;
-    while (!ferror(stdout) && (result = read_line(buffer, &length)) != LINE_END) {
+    while (!ferror(stdout) && (result = read_line(buffer, &length, file)) != LINE_END) {
         const int mark = ++who.line == 1 && strncmp(buffer, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0; /* BOM */
         const char *line = skip_blanks(buffer + mark);
         if (*line == '#' || line == buffer + length) continue;
         const int whole = result == LINE_READ && strlen(buffer) == length;
         const int named = first && whole && read_heading(line, set);
         first = 0;
+        if (named && heading.columns < 0) return 0;
         if (named) continue;
         answer_line(&who, whole ? line : NULL,
                     result == LINE_TOO_LONG ? "longer than 4096 bytes" : "holds a zero byte", set);
     }
+    return 1;
 }

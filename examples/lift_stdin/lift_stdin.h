@@ -8,6 +8,7 @@
 #define LIFT_STDIN_H
 
 #include <stddef.h>
+#include <stdio.h>
 
 #include "edmlift.h"
 #include "edmlift/body.h"
@@ -85,9 +86,10 @@ const char *lift_person(answer *out, person *who, const options *set);
 /* Says what is wrong with a line, or with a value that begins there. */
 void note_bad(unsigned long line, const char *wrong);
 
-/* Read all of standard input.  The answer to a line, or a person, is written before they read on. */
-void lift_csv(const options *set);
-void lift_json(const options *set);
+/* Read all of the file.  The answer to a line, or a person, is written before they read on.  Return 0 if they
+ * cannot. */
+int lift_csv(FILE *file, const options *set);
+int lift_json(FILE *file, const options *set);
 
 /* One person of a video. */
 typedef struct {

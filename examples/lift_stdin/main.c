@@ -190,9 +190,6 @@ int main(int argc, char **argv)
         fprintf(stderr, "lift_stdin: model %s is damaged\n", edml_model_name(set.model));
         return EXIT_TROUBLE;
     }
-    if (set.json)
-        lift_json(&set);
-    else
-        lift_csv(&set);
-    return report(&set);
+    const int done = set.json ? lift_json(stdin, &set) : lift_csv(stdin, &set);
+    return done ? report(&set) : EXIT_TROUBLE;
 }

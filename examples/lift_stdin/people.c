@@ -346,19 +346,21 @@ static void read_top(const options *set)
     }
 }
 
-void lift_json(const options *set)
+int lift_json(FILE *file, const options *set)
 {
     static const unsigned char mark[] = {0xEF, 0xBB, 0xBF}; /* BOM */
-    json_start(&in, stdin);
+    json_start(&in, file);
+    at.frame = 0;
     for (int n = 0; n < 3 && json_peek(&in) == mark[n]; n++) json_take(&in);
     while (!ferror(stdout)) {
         json_forget(&in, 0);
         const int c = json_next(&in);
         json_forget(&in, 0);
-        if (c == EOF) return;
+        if (c == EOF) return 1;
         if (c == '#')
             json_skip_line(&in);
         else
             read_top(set);
     }
+    return 1;
 }

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Fuzzes the lifts with clang's libFuzzer, in two steps:
+# Fuzzes the lifts, and the readers of lift_stdin, with clang's libFuzzer, in two steps:
 #
 #     libfuzzer.sh FOLDER build
 #     libfuzzer.sh FOLDER run [SECONDS]
@@ -8,7 +8,7 @@
 set -eu
 folder=$1
 root=$(cd "$(dirname "$0")/../.." && pwd)
-mkdir -p "$folder/corpus"
+mkdir -p "$folder/corpus" "$folder/corpus_stdin"
 
 sanitizers=fuzzer,address,undefined,float-divide-by-zero
 nothing='int LLVMFuzzerTestOneInput(const char *d, long n) { return d == 0 && n > 0; }'
@@ -29,11 +29,21 @@ build() {
     clang -std=c99 -O1 -g -ffp-contract=off -fsanitize=$sanitizers -fno-sanitize-recover=all \
         -DEDML_LIBFUZZER $includes "$root/tests/fuzz/fuzz_lift.c" "$root"/lib/*/*.c \
         "$folder/lift.o" "$folder/camera.o" -lm -o "$folder/fuzz_lift"
+    stdin=$root/examples/lift_stdin
+    parts=$(find "$stdin" -name '*.c' ! -name main.c)
+    # shellcheck disable=SC2086
+    clang -std=c99 -O1 -g -ffp-contract=off -fsanitize=$sanitizers -fno-sanitize-recover=all \
+        -DEDML_LIBFUZZER $includes "-I$stdin" "$root/tests/fuzz/fuzz_stdin.c" $parts "$root"/lib/*/*.c \
+        -lm -o "$folder/fuzz_stdin"
 }
 
 case $2 in
 build) build ;;
 run) # inputs that exactly fill the 14 keypoints and the byte before them
     "$folder/fuzz_lift" -seed=1 -max_total_time="${3:-10}" -max_len=169 -len_control=0 \
-        -artifact_prefix="$folder/" -print_final_stats=1 "$folder/corpus" ;;
+        -artifact_prefix="$folder/" -print_final_stats=1 "$folder/corpus"
+    # detectors' files to begin with
+    "$folder/fuzz_stdin" -seed=1 -max_total_time="${3:-10}" -max_len=8192 \
+        -dict="$root/tests/fuzz/stdin.dict" -artifact_prefix="$folder/" -print_final_stats=1 \
+        "$folder/corpus_stdin" "$root/tests/python/cases" ;;
 esac

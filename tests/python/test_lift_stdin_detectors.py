@@ -407,6 +407,7 @@ HEADINGS = {
     "by number": BY_NUMBER,
     "by number, in capitals and backwards": {k.upper(): v for k, v in reversed(BY_NUMBER.items())},
     "others": EXTRA | BY_NUMBER | {"x": [1, 2, 3], "left_x": [1, 2, 3], "who_": ["a", "b", "c"]},
+    "an index without a name": {"": [0, 1, 2]} | BY_NUMBER,
     "by name": by_name(JOINT_NAMES, WALK[:3], ("_x", "_y", "_c")),
     "by name, score": EXTRA | by_name(JOINT_NAMES, WALK[:3], ("_x", "_y", "_score")),
     "by name, confidence": by_name(JOINT_NAMES, WALK[:3], ("_X", "_Y", "_Confidence")),
