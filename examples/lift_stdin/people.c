@@ -213,6 +213,7 @@ static found read_object(int depth, const options *set)
             json_forget(&in, object.end);
         if (!read_member(&object, depth, set)) return MALFORMED;
     } while ((more = json_more(&in, '}')) > 0);
+    object.cut |= in.too_long;
     return more == 0 ? end_object(&object, set) : MALFORMED;
 }
 

@@ -33,7 +33,7 @@ build() {
     parts=$(find "$stdin" -name '*.c' ! -name main.c)
     # shellcheck disable=SC2086
     clang -std=c99 -O1 -g -ffp-contract=off -fsanitize=$sanitizers -fno-sanitize-recover=all \
-        -DEDML_LIBFUZZER $includes "-I$stdin" "$root/tests/fuzz/fuzz_stdin.c" $parts "$root"/lib/*/*.c \
+        -DEDML_LIBFUZZER -DJSON_TEXT=2048 $includes "-I$stdin" "$root/tests/fuzz/fuzz_stdin.c" $parts "$root"/lib/*/*.c \
         -lm -o "$folder/fuzz_stdin"
 }
 
