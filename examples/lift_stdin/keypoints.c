@@ -67,6 +67,12 @@ int is_keypoint(const char *text)
     return x != NULL ? json_is_number(x) : count == 2 || count == 3;
 }
 
+int is_set_of_columns(const char *object)
+{
+    const char *x = member_of(object, x_names);
+    return x != NULL && *x == '[';
+}
+
 static const char *first_of(const char *array) /* that is not null */
 {
     const char *p = json_first(array);

@@ -24,6 +24,7 @@ const char *name_of_keypoint(int index, const options *set); /* NULL: the names 
  * of keypoints? */
 int is_keypoint(const char *text);
 int is_set(const char *array);
+int is_set_of_columns(const char *object);
 
 /* Reads a set of keypoints and, if they stand apart, their scores (else NULL).  Returns NULL or what is wrong. */
 const char *read_set(edml_keypoint out[], const char *text, const char *scores, const options *set);

@@ -33,6 +33,7 @@ static struct {
     int lists;           /* that this is within */
 } at;
 
+static const char frames_name[] = "instance_info"; /* mmpose */
 static const char too_long[] = "longer than 65536 bytes";
 
 static found read_element(int depth, const options *set);
@@ -47,10 +48,10 @@ static void count_frame(uint64_t key)
 }
 
 /* A person whose text is kept from `start` on; `start` beyond the text: nobody. */
-static json_person person_from(size_t start, unsigned long line)
+static json_person person_from(size_t start, int bare, unsigned long line)
 {
     const char *text = json_text(&in);
-    const json_person one = {line, at.head + at.head_at, start < in.length ? text + start : NULL,
+    const json_person one = {line, at.head + at.head_at, start < in.length ? text + start : NULL, bare,
                              at.lists > 0};
     return one;
 }
@@ -61,9 +62,9 @@ static void bad(unsigned long line, const char *wrong, const options *set)
     answer_bad(NULL, line, wrong, set);
 }
 
-static void answer_text(size_t start, unsigned long line, const options *set)
+static void answer_text(size_t start, int bare, unsigned long line, const options *set)
 {
-    const json_person one = person_from(start, line);
+    const json_person one = person_from(start, bare, line);
     if (in.too_long) {
         bad(line, too_long, set);
         return;
@@ -76,7 +77,7 @@ static void answer_nobody(unsigned long line, const options *set)
 {
     json_forget(&in, 0);
     at.begins = 1;
-    answer_text(0, line, set);
+    answer_text(0, 0, line, set);
     at.begins = 1;
 }
 
@@ -111,12 +112,12 @@ typedef struct {
     int is_person, is_frame, twice, cut;
 } object_state;
 
-/* The people of a frame: an array, or null. */
-static int read_people(object_state *object, int depth, const options *set)
+/* The people of a frame, or frames: an array, or null. */
+static int read_people(object_state *object, int of_frame, int depth, const options *set)
 {
     const size_t before = at.head_at;
     int sound = 1;
-    keep_head(json_text(&in) + object->start, in.text + object->end);
+    keep_head(json_text(&in) + object->start, in.text + (of_frame ? object->end : 0));
     json_forget(&in, 0);
     at.begins = 1;
     if (json_peek(&in) == 'n') {
@@ -127,7 +128,7 @@ static int read_people(object_state *object, int depth, const options *set)
         at.lists++;
         const found people = read_element(depth, set);
         sound = people != MALFORMED;
-        if (people == SET) answer_text(0, line, set);
+        if (people == SET) answer_text(0, 1, line, set);
         at.lists--;
     }
     drop_head(before);
@@ -143,17 +144,23 @@ static int read_member(object_state *object, int depth, const options *set)
     const size_t name = in.length;
     if (!json_name(&in)) return 0;
     const char *text = json_text(&in) + name;
-    const int people = !in.too_long && name_among(text, people_names) >= 0 &&
-                       (json_peek(&in) == '[' || json_peek(&in) == 'n');
+    const int of_frame = in.too_long || !json_is_named(text, frames_name);
+    const int holds = json_peek(&in) == '[' || (of_frame && json_peek(&in) == 'n');
+    const int people = !in.too_long && holds && (!of_frame || name_among(text, people_names) >= 0);
     const int is_person = !in.too_long && name_among(text, person_names) >= 0;
     if (people || is_person) object->twice += object->is_frame || object->is_person;
-    if (people && !object->twice) return read_people(object, depth, set);
+    if (people && !object->twice) return read_people(object, of_frame, depth, set);
     object->is_person |= is_person;
     if (!json_value(&in, depth)) return 0;
     object->cut |= in.too_long;
     if (in.too_long || object->is_frame) json_forget(&in, object->end);
     object->end = in.length;
     return 1;
+}
+
+static int is_empty(const char *value)
+{
+    return *value == 'n' || (*value == '[' && json_first(value) == NULL);
 }
 
 /* The sets of keypoints of one member: the object is a frame. */
@@ -165,7 +172,8 @@ static void answer_sets(const object_state *object, const options *set)
     keep_head(text, member);
     at.begins = 1;
     for (const char *p = json_first(list); p != NULL; p = json_after(p)) {
-        const json_person one = {object->line, at.head + at.head_at, p, 1};
+        const int bare = *p != '{' || is_set_of_columns(p);
+        const json_person one = {object->line, at.head + at.head_at, is_empty(p) ? NULL : p, bare, 1};
         count_frame(at.begins ? 0 : at.key);
         answer_person(&one, at.frame - 1, set);
     }
@@ -175,7 +183,7 @@ static void answer_sets(const object_state *object, const options *set)
 
 static void bad_object(const object_state *object, const char *wrong, const options *set)
 {
-    const json_person one = person_from(object->start, object->line);
+    const json_person one = person_from(object->start, 0, object->line);
     count_frame(at.begins ? 0 : at.key);
     answer_bad(object->is_frame ? NULL : &one, object->line, wrong, set);
 }
@@ -188,12 +196,14 @@ static found end_object(const object_state *object, const options *set)
         bad(object->line, too_long, set);
     else if (object->twice)
         bad_object(object, "has more than one member that holds keypoints or people", set);
-    else if (object->is_person && list_of_sets(json_text(&in) + object->start, &member) != NULL)
-        answer_sets(object, set);
+    else if (object->is_person && list_of_sets(json_text(&in) + object->start, &member) == NULL)
+        answer_text(object->start, 0, object->line, set);
+    else if (object->is_person && has_scores(json_text(&in) + object->start))
+        bad_object(object, "has keypoint_scores beside several people: each needs its own", set);
     else if (object->is_person)
-        answer_text(object->start, object->line, set);
+        answer_sets(object, set);
     else if (!object->is_frame)
-        return OBJECT;
+        return is_set_of_columns(json_text(&in) + object->start) ? SET : OBJECT;
     return DONE;
 }
 
@@ -231,14 +241,10 @@ static found read_rest(int depth)
 /* Answers an element of a list of people that has no answer yet. */
 static void answer_element(found element, size_t start, unsigned long line, const options *set)
 {
-    if (element == SET) {
-        answer_text(start, line, set);
-    } else if (element != DONE) {
-        if (element == OBJECT)
-            answer_text(start, line, set);
-        else
-            bad(line, "not a person: neither an object nor an array", set);
-    }
+    if (element == SET || element == OBJECT)
+        answer_text(start, element == SET, line, set);
+    else if (element != DONE)
+        bad(line, "not a person: neither an object nor an array", set);
     json_forget(&in, 0);
 }
 
@@ -343,7 +349,7 @@ static void read_top(const options *set)
     } else if (value == NO_VALUE) {
         answer_nobody(line, set);
     } else if (value != DONE) {
-        answer_text(0, line, set);
+        answer_text(0, value == SET, line, set);
     }
 }
 

@@ -17,9 +17,9 @@
 /* Own form, COCO and most others; OpenPose; MediaPipe in its languages. */
 const char *const person_names[] = {"keypoints",     "pose_keypoints_2d", "landmarks", "landmark",
                                     "poseLandmarks", "pose_landmarks",    NULL};
-/* OpenPose; mmpose; tfjs; others; COCO; mmpose's frames. */
-const char *const people_names[] = {"people",      "instances",     "poses", "predictions",
-                                    "annotations", "instance_info", NULL};
+/* OpenPose; mmpose; tfjs; others; COCO. */
+const char *const people_names[] = {"people", "instances", "poses", "predictions", "annotations", NULL};
+static const char *const scores_names[] = {"keypoint_scores", NULL};
 
 int name_among(const char *p, const char *const names[])
 {
@@ -74,7 +74,7 @@ static uint64_t hash_of(const char *value)
 uint64_t frame_of(const json_person *one)
 {
     static const char *const names[] = {"image_id", "frame_id", "frame", "t", NULL};
-    const char *value = one->text != NULL && *one->text == '{' ? first_named(one->text, names) : NULL;
+    const char *value = one->text != NULL && !one->bare ? first_named(one->text, names) : NULL;
     return value != NULL ? hash_of(value) : 0;
 }
 
@@ -84,7 +84,7 @@ static uint64_t id_of(const json_person *one)
     static const char *const names[] = {"idx", "track_id", "person_id", "id", NULL};
     static const char *const image[] = {"image_id", NULL};
     static const char *const alone[] = {"idx", "track_id", "person_id", NULL};
-    if (*one->text != '{') return 0;
+    if (one->bare) return 0;
     const int any = one->listed && first_named(one->text, image) == NULL;
     const char *value = first_named(one->text, any ? names : alone);
     if (value != NULL && *value == '[') value = json_first(value);
@@ -98,7 +98,7 @@ static const char *read_time(double *time, const json_person *one)
     const char *value = NULL;
     for (int own = 1; own >= 0 && value == NULL; own--) {
         const char *object = own ? one->text : one->head;
-        for (const char *p = *object == '{' ? json_first(object) : NULL; p != NULL;
+        for (const char *p = own && one->bare ? NULL : json_first(object); p != NULL;
              p = json_after(json_member(p))) {
             if (!json_is_named(p, "t")) continue;
             if (value != NULL) return "has t twice";
@@ -110,6 +110,8 @@ static const char *read_time(double *time, const json_person *one)
     *time = strtod(value, NULL);
     return *time < MOST_SECONDS ? NULL : "t is not a number of seconds below 1e12";
 }
+
+int has_scores(const char *object) { return first_named(object, scores_names) != NULL; }
 
 const char *list_of_sets(const char *object, const char **member)
 {
@@ -148,13 +150,13 @@ static int has_member(const char *object, const char *name) /* with its quotatio
 /* Writes what was read: members of the frame that the person lacks, and the person's own. */
 static void write_members(const json_person *one)
 {
-    const char *own = one->text != NULL && *one->text == '{' ? json_first(one->text) : NULL;
+    const char *own = one->text != NULL && !one->bare ? json_first(one->text) : NULL;
     for (const char *p = json_first(one->head); p != NULL; p = json_after(json_member(p)))
         if (own == NULL || !has_member(one->text, p))
             printf("%.*s,", (int)(json_end(json_member(p)) - p), p);
     if (own != NULL)
         printf("%.*s,", (int)(json_end(one->text) - 1 - own), own);
-    else if (one->text != NULL && *one->text == '[')
+    else if (one->text != NULL && one->bare)
         printf("\"keypoints\":%.*s,", (int)(json_end(one->text) - one->text), one->text);
 }
 
@@ -190,7 +192,7 @@ static void write_answer(const json_person *one, const answer *out, const option
 static const char *repeated(const json_person *one, const options *set)
 {
     const char *name = name_of_answer(one->head, one->listed, set);
-    if (name != NULL || one->text == NULL || *one->text != '{') return name;
+    if (name != NULL || one->text == NULL || one->bare) return name;
     return name_of_answer(one->text, one->listed, set);
 }
 
@@ -204,11 +206,10 @@ void answer_bad(const json_person *one, unsigned long line, const char *wrong, c
 /* The keypoints and their scores; *set_text is NULL if nobody is there.  Returns NULL or what is wrong. */
 static const char *find_set(const char **set_text, const char **scores, const json_person *one)
 {
-    static const char *const scores_names[] = {"keypoint_scores", NULL};
     *scores = NULL;
     *set_text = one->text;
     if (one->text == NULL) return NULL;
-    if (*one->text == '{') {
+    if (!one->bare) {
         *set_text = first_named(one->text, person_names);
         *scores = first_named(one->text, scores_names);
     }

@@ -7,7 +7,7 @@
 
 #include "lift_stdin.h"
 
-/* Names of members that hold a person's keypoints, and of those that hold people, or frames of them. */
+/* Names of members that hold a person's keypoints, and of those that hold people. */
 extern const char *const person_names[], *const people_names[];
 
 /* Which of the names, which end with NULL, the member at p has; -1: none of them. */
@@ -16,10 +16,10 @@ int name_among(const char *p, const char *const names[]);
 /* A person as JSON has it. */
 typedef struct {
     unsigned long line; /* where it begins */
-    const char
-        *head; /* the members of its frame that the answer repeats: an object without its last bracket */
-    const char *text; /* its own: an object, or a set of keypoints alone; NULL: nobody */
-    int listed;       /* it is an element of an array */
+    const char *head;   /* an object, open at its end: the frame's members that the answer repeats */
+    const char *text;   /* its own; NULL: nobody */
+    int bare;           /* that is a set of keypoints, not an object with one */
+    int listed;         /* it is an element of an array */
 } json_person;
 
 /* People of an array are of one frame as long as this is the same: a hash of their frame's number, 0 if they have
@@ -32,6 +32,7 @@ void answer_person(const json_person *one, unsigned long frame, const options *s
 /* Is it a list of people that are sets of keypoints, in an object's member?  Returns the list, and in *member the member;
  * or NULL. */
 const char *list_of_sets(const char *object, const char **member);
+int has_scores(const char *object); /* apart from the keypoints */
 
 /* Says what is wrong, and answers with a bad line; `one` may be NULL. */
 void answer_bad(const json_person *one, unsigned long line, const char *wrong, const options *set);

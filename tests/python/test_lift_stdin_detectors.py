@@ -136,6 +136,9 @@ ONE_PERSON = {
     "flat, of two numbers": WALK[0, :, :2].ravel().tolist(),
     "columns": {"keypoints": COLUMNS},
     "columns without confidence": {"keypoints": X_Y},
+    "columns alone": COLUMNS,
+    "columns alone in a list": [COLUMNS],
+    "columns alone in a frame": {"people": [X_Y]},
     "scores apart": APART,
     "flat in a list": [FLAT],
     "landmarks": {"landmarks": LANDMARKS},
@@ -176,6 +179,8 @@ def test_two_people_in_every_form(name: str):
     np.testing.assert_array_equal(joints(table), WALKING[[0, 20]])
     assert all("b" not in one and ("a" in one) == ("a" in TWO_PEOPLE[name]) for one in table)
     if name == "landmarks":
+        nobody = answers(json.dumps({"a": 1, "landmarks": [LANDMARKS, []]}))[1]
+        assert nobody == {"a": 1, "status": "nobody", "joints": None, "misfit": None}
         assert [one["keypoints"] for one in table] == [LANDMARKS, OTHER_LANDMARKS]
 
 
@@ -206,6 +211,8 @@ def test_members_of_the_frame_stand_before_the_persons_unless_it_has_them():
 
 
 def test_a_frames_members_are_its_own():
+    (one,) = answers(json.dumps({"a": 1, "instance_info": [{"b": 2, "keypoints": FLAT}]}))
+    assert "a" not in one and one["b"] == 2
     inner = {"b": 2, "people": [FLAT]}
     table = answers(json.dumps({"a": 1, "poses": [inner, {"keypoints": FLAT}]}))
     assert [("a" in one, "b" in one) for one in table] == [(False, True), (True, False)]
@@ -251,6 +258,8 @@ def test_a_format_without_names_takes_keypoints_by_order():
 BAD = {
     "score of another number": ({**APART, "keypoint_scores": [1]}, "keypoint_scores are not"),
     "scores null": ({**APART, "keypoint_scores": None}, "keypoint_scores are not"),
+    "scores of several people": ({"landmarks": [FLAT, FLAT], "keypoint_scores": [1] * 14},
+                                 "has keypoint_scores beside several people"),
     "columns of other lengths": ({"keypoints": X_Y | {"y": [1]}}, "arrays x and y"),
     "columns without y": ({"keypoints": {"x": [1] * 14}}, "arrays x and y"),
     "columns, 15": ({"keypoints": {"x": [1] * 15, "y": [1] * 15}}, "15 keypoints, but a pose has"),
