@@ -242,6 +242,25 @@ static int set_value(options *set, char **argv, int *i)
     return 0;
 }
 
+/* Takes an option without a value; returns 0 if it is another one. */
+static int set_flag(options *set, const char *text)
+{
+    const struct {
+        const char *name;
+        int *flag;
+    } flags[] = {
+        {"--header", &set->header}, {"--quality", &set->quality},   {"--json", &set->json},
+        {"--fixed", &set->fixed},   {"--mirrored", &set->mirrored},
+        {"--angles", &set->angles},
+    };
+    for (unsigned n = 0; n < sizeof flags / sizeof *flags; n++) {
+        if (strcmp(text, flags[n].name) != 0) continue;
+        *flags[n].flag = 1;
+        return 1;
+    }
+    return 0;
+}
+
 /* Ends the program after an option that only prints. */
 static void print_and_exit(const char *option)
 {
@@ -276,19 +295,8 @@ options read_options(char **argv)
     for (int i = 1; argv[i] != NULL; i++) {
         if (set_value(&set, argv, &i)) continue;
         print_and_exit(argv[i]);
-        if (strcmp(argv[i], "--header") == 0) {
-            set.header = 1;
-        } else if (strcmp(argv[i], "--quality") == 0) {
-            set.quality = 1;
-        } else if (strcmp(argv[i], "--angles") == 0) {
-            set.angles = 1;
-        } else if (strcmp(argv[i], "--json") == 0) {
-            set.json = 1;
-        } else if (strcmp(argv[i], "--fixed") == 0) {
-            set.fixed = 1;
-        } else if (strcmp(argv[i], "--mirrored") == 0) {
-            set.mirrored = 1;
-        } else if (argv[i][0] != '-') {
+        if (set_flag(&set, argv[i])) continue;
+        if (argv[i][0] != '-') {
             fprintf(stderr, "lift_stdin: takes no files: lift_stdin < '%s'\n", argv[i]);
             exit(EXIT_TROUBLE);
         } else {

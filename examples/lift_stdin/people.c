@@ -218,9 +218,8 @@ static found read_object(int depth, const options *set)
         return OBJECT;
     }
     do {
-        if (in.length > object.end &&
-            in.text[object.end - (object.end > 0)] == '{') /* the first were dropped */
-            json_forget(&in, object.end);
+        const int none_kept = object.end > 0 && in.text[object.end - 1] == '{';
+        if (none_kept) json_forget(&in, object.end); /* and no comma */
         if (!read_member(&object, depth, set)) return MALFORMED;
     } while ((more = json_more(&in, '}')) > 0);
     object.cut |= in.too_long;
@@ -248,8 +247,8 @@ static void answer_element(found element, size_t start, unsigned long line, cons
     json_forget(&in, 0);
 }
 
-/* Reads on behind the first element that is not null: people, or a keypoint. */
-static int is_keypoint_text(found element, size_t start)
+/* Is the array whose first element this is a set of keypoints? */
+static int begins_set(found element, size_t start)
 {
     if (element == NUMBER) return 1;
     return (element == SET || element == OBJECT) && !in.too_long && is_keypoint(json_text(&in) + start);
@@ -276,7 +275,7 @@ static found read_list(int depth, const options *set)
             nulls++;
             continue;
         }
-        if (!decided && is_keypoint_text(element, start)) {
+        if (!decided && begins_set(element, start)) {
             at.begins = began;
             return read_rest(depth);
         }
