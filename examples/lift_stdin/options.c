@@ -250,8 +250,7 @@ static int set_flag(options *set, const char *text)
         int *flag;
     } flags[] = {
         {"--header", &set->header}, {"--quality", &set->quality},   {"--json", &set->json},
-        {"--fixed", &set->fixed},   {"--mirrored", &set->mirrored},
-        {"--angles", &set->angles},
+        {"--fixed", &set->fixed},   {"--mirrored", &set->mirrored}, {"--angles", &set->angles},
     };
     for (unsigned n = 0; n < sizeof flags / sizeof *flags; n++) {
         if (strcmp(text, flags[n].name) != 0) continue;
