@@ -363,6 +363,9 @@ class FakeTensor:
     def float(self) -> "FakeTensor":
         return FakeTensor(self.array.astype(np.float32))
 
+    def numel(self) -> int:
+        return self.array.size
+
     def numpy(self) -> np.ndarray:
         return self.array
 
@@ -759,9 +762,10 @@ def test_truncated_file(tmp_path: Path, capsys, net: Net, form: str) -> None:
 
 
 def test_unknown_suffix(tmp_path: Path, capsys) -> None:
-    (tmp_path / "net.h5").write_bytes(b"x")
-    line = refused(tmp_path, capsys, tmp_path / "net.h5")
-    assert "unknown suffix '.h5': one of .npz, .safetensors, .onnx, .pt, .pth, .mat" in line
+    (tmp_path / "net.pb").write_bytes(b"x")
+    line = refused(tmp_path, capsys, tmp_path / "net.pb")
+    known = ".npz, .safetensors, .pt, .pth, .onnx, .keras, .h5, .hdf5, .tflite, .mat"
+    assert f"unknown suffix '.pb': one of {known}\n" in line
 
 
 def test_no_such_file(tmp_path: Path, capsys) -> None:
