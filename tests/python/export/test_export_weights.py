@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from exports import MANIFEST, Net, export, make_net, refused
 from support import ROOT
 
 from export.cli import main
@@ -26,37 +27,12 @@ from reports.targets import SOURCES
 
 LIB = ROOT / "lib"
 SHAPE = (91, 128, 128, 91)
-MANIFEST = {
-    "fewest_joints": 10,
-    "objective": "none",
-    "refine_steps": 0,
-    "mirror": [0.5, -1.25, 0.1, 2, 0],
-    "fusion": {"share": 0.75, "misfit": 0.5, "distance": 4},
-    "recipe": {"name": "mds", "seed": 7},
-    "data": {"frames": 1000},
-    "metrics": {"gt": 45.25, "n10": 60},
-}
-Net = list[tuple[np.ndarray, np.ndarray]]
 
 
 @pytest.fixture
 def net() -> Net:
     """A random network, [in, out] and [out]; its square layer would betray a transposition."""
     return make_net(SHAPE)
-
-
-def make_net(shape: tuple[int, ...]) -> Net:
-    rng = np.random.default_rng(1)
-    net = [
-        (rng.normal(0, 0.1, (n, m)).astype(np.float32), rng.normal(0, 0.1, m).astype(np.float32))
-        for n, m in zip(shape[:-1], shape[1:], strict=True)
-    ]
-    # What a text might spoil: both zeros, a subnormal, extremes; and biases that are
-    # integers, which a .mat holds as bytes.
-    tiny, huge = np.finfo(np.float32).smallest_subnormal, np.finfo(np.float32).max
-    net[0][0][0, :6] = [0.0, -0.0, tiny, -huge, 1.0, 0.1]
-    net[0][1][:] = np.arange(len(net[0][1])) % 3
-    return net
 
 
 # ---- A network as each format holds it ---------------------------------------------------------
@@ -279,31 +255,6 @@ FORMATS: dict[str, tuple[str, Callable[[Path, Net], None]]] = {
 
 
 # ---- Help --------------------------------------------------------------------------------------
-
-
-def export(tmp_path: Path, weights: Path, manifest: dict | None = None, name: str = "fconn"):
-    """Exit status and header of an export."""
-    settings = tmp_path / "settings.json"
-    settings.write_text(json.dumps(MANIFEST if manifest is None else manifest))
-    header = tmp_path / "out.h"
-    arguments = [weights, "--manifest", settings, "--out", header, "--name", name]
-    return main([str(argument) for argument in arguments]), header
-
-
-def refused(tmp_path: Path, capsys, weights: Path, manifest: dict | None = None) -> str:
-    """The one line that a failed export prints; what was there before must still be."""
-    for before in (None, "before"):
-        header = tmp_path / "out.h"
-        header.write_text(before) if before else header.unlink(missing_ok=True)
-        files = sorted(tmp_path.iterdir())
-        status, _ = export(tmp_path, weights, manifest)
-        printed = capsys.readouterr()
-        assert (status, printed.out) == (1, "")
-        assert sorted({*tmp_path.iterdir()} - {*files}) in ([], [tmp_path / "settings.json"])
-        assert header.read_text() == before if before else not header.exists()
-    assert printed.err.startswith("export_weights: ")
-    assert printed.err.count("\n") == 1
-    return printed.err
 
 
 def parsed_arrays(text: str) -> dict[str, np.ndarray]:
