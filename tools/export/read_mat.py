@@ -100,7 +100,7 @@ def check_unpacked(path: Path) -> None:
         at += size
 
 
-MOST_VALUES = 100_000  # of a network's cells, structs and arrays
+MOST_VALUES = 5_000  # of a network's cells, structs and arrays
 
 
 class MatlabH5(H5):

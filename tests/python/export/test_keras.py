@@ -75,6 +75,14 @@ def test_weights_alone_do_not_say_where_batch_norm_stands(
     assert "weights alone do not say where it stands; save the whole model" in line
 
 
+@pytest.mark.parametrize("end", [".keras", ".h5", ".weights.h5"])
+@pytest.mark.parametrize("share", [0.3, 0.7, 0.99])
+def test_truncated(tmp_path: Path, capsys, folder: Path, end: str, share: float) -> None:
+    data = (folder / f"plain{end}").read_bytes()
+    (tmp_path / f"net{end}").write_bytes(data[: int(len(data) * share)])
+    refused(tmp_path, capsys, tmp_path / f"net{end}")
+
+
 # ---- Keras 2 -----------------------------------------------------------------------------------
 
 NET, NORM = small_net(91, 64, 91), make_norm(64)
