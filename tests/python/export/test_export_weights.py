@@ -3,12 +3,14 @@ weights.  What quantised headers hold is tested in test_quantise.py."""
 
 import hashlib
 import json
+import pickle
 import re
 import shutil
 import struct
 import subprocess
 import sys
 import types
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -352,6 +354,39 @@ def test_torch_entry_that_is_no_tensor(tmp_path: Path, capsys, fake_torch: dict)
     fake_torch["state_dict"]["epoch"] = 3
     (tmp_path / "net.pt").write_bytes(b"not read")
     assert "unsupported tensor epoch" in refused(tmp_path, capsys, tmp_path / "net.pt")
+
+
+def test_torch_view_that_is_larger_than_its_storage(
+    tmp_path: Path, capsys, fake_torch: dict
+) -> None:
+    """A tensor of stride 0 takes 4 bytes in the file, whatever its shape."""
+    view = np.broadcast_to(np.float32(0), (1 << 20, 1 << 20))
+    fake_torch["state_dict"]["net.8.weight"] = FakeTensor(view)
+    (tmp_path / "net.pt").write_bytes(b"not read")
+    line = refused(tmp_path, capsys, tmp_path / "net.pt")
+    assert "net.8.weight takes 4194304 MB, at most 64 are read" in line
+
+
+def test_torch_module(tmp_path: Path, capsys, fake_torch: dict, monkeypatch) -> None:
+    """PyTorch's own message says how to run what is in the file."""
+
+    def load(path: Path, map_location: str, weights_only: bool) -> dict:
+        raise pickle.UnpicklingError("re-run with weights_only=False")
+
+    monkeypatch.setattr(sys.modules["torch"], "load", load)
+    (tmp_path / "net.pt").write_bytes(b"not read")
+    line = refused(tmp_path, capsys, tmp_path / "net.pt")
+    assert "holds more than tensors, such as a whole module: save model.state_dict()\n" in line
+    monkeypatch.setattr(sys.modules["torch"], "load", lambda *_, **__: [1, 2])
+    line = refused(tmp_path, capsys, tmp_path / "net.pt")
+    assert "holds no state dict: save model.state_dict()\n" in line
+
+
+def test_torch_archive_that_unpacks_to_much_more(tmp_path: Path, capsys, fake_torch: dict) -> None:
+    with zipfile.ZipFile(tmp_path / "net.pt", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("data/0", bytes(70 << 20))
+    line = refused(tmp_path, capsys, tmp_path / "net.pt")
+    assert "the unpacked archive takes 70 MB, at most 64 are read" in line
 
 
 def test_torch_not_installed(tmp_path: Path, capsys, monkeypatch) -> None:
