@@ -11,7 +11,7 @@ import scipy.io
 
 from export.chain import RELU, Linear, Step, why_not
 from export.layers import ExportError
-from export.limits import H5, check_size
+from export.limits import H5, LARGEST, check_size
 
 
 def read_mat(path: Path) -> list[Step]:
@@ -81,26 +81,35 @@ def load_mat(path: Path) -> dict[str, Any]:
 
 
 HEADER, TAG, COMPRESSED = 128, 8, 15  # of version 5: bytes, bytes, type of an element
-STEP = 1 << 20
+# What opens an array, struct or cell, by the order of the bytes.
+VALUE = {"<": b"\x0e\0\0\0", ">": b"\0\0\0\x0e"}
+MOST_VALUES = 5_000  # a network of 20 layers has 400
 
 
 def check_unpacked(path: Path) -> None:
-    """Raises ExportError if the variables of a file of version 5 unpack to too much."""
+    """Raises ExportError if the variables of a file of version 5 unpack to too much, or are so
+    many that SciPy, which reads cells within cells by recursion, might run out of stack."""
     data = path.read_bytes()
     order = {b"IM": "<", b"MI": ">"}.get(data[126:HEADER])
-    at, total = HEADER, 0
-    while order and at + TAG <= len(data):
+    if order is None:  # version 4, which has neither
+        return
+    at, total, count = HEADER, 0, data.count(VALUE[order])
+    while at + TAG <= len(data):
         kind, size = struct.unpack_from(f"{order}II", data, at)
         at += TAG
-        unpack, packed = zlib.decompressobj(), data[at : at + size]
-        while kind == COMPRESSED and packed and not unpack.eof:
-            total += len(unpack.decompress(packed, STEP))
-            packed = unpack.unconsumed_tail
+        if kind == COMPRESSED:
+            unpacked = zlib.decompressobj().decompress(data[at : at + size], LARGEST - total + 1)
+            total += len(unpacked)
             check_size(total, "the unpacked file")
+            count += unpacked.count(VALUE[order])
         at += size
+    check_count(count)
 
 
-MOST_VALUES = 5_000  # of a network's cells, structs and arrays
+def check_count(count: int) -> None:
+    """Raises ExportError where there are more values than a network has."""
+    if count > MOST_VALUES:
+        raise ExportError(f"holds more than {MOST_VALUES} values")
 
 
 class MatlabH5(H5):
@@ -115,8 +124,7 @@ class MatlabH5(H5):
         import h5py
 
         self.count += 1  # a cell can hold itself, or one that holds another twice
-        if self.count > MOST_VALUES:
-            raise ExportError(f"holds more than {MOST_VALUES} values")
+        check_count(self.count)
         kind = item.attrs.get("MATLAB_class")
         if isinstance(item, h5py.Group):
             members = {name: self.child(item, name) for name in item}

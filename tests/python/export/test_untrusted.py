@@ -322,6 +322,27 @@ def test_mat_that_unpacks_to_gigabytes(tmp_path: Path, capsys) -> None:
     assert TOO_LARGE in refused(tmp_path, capsys, path)
 
 
+def element(kind: int, data: bytes) -> bytes:
+    return struct.pack("<II", kind, len(data)) + data + bytes(-len(data) % 8)
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_mat_of_cells_within_cells(tmp_path: Path, capsys, compressed: bool) -> None:
+    """100,000 deep: SciPy would run out of stack, which ends the process."""
+    cell = element(6, struct.pack("<II", 1, 0)) + element(5, struct.pack("<ii", 1, 1))
+    cell += element(1, b"")
+    size, cells = 8 + len(cell), 100_000
+    tags = (struct.pack("<II", 14, size * left - 8) for left in range(cells, 0, -1))
+    data = b"".join(tag + cell for tag in tags)
+    if compressed:
+        data = zlib.compress(data)
+        data = struct.pack("<II", 15, len(data)) + data
+    header = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<H", 0x100) + b"IM"
+    path = tmp_path / "net.mat"
+    path.write_bytes(header + data)
+    assert "holds more than 5000 values" in refused(tmp_path, capsys, path)
+
+
 def test_mat_of_cells_that_hold_each_other(tmp_path: Path) -> None:
     """Thirty cells, of which each holds the next one ten times: 10^30 values."""
     path = tmp_path / "net.mat"
