@@ -17,7 +17,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit
 root=$PWD
 logs=build/log
 venv=build/venv
-if ! mkdir -p "$logs" 2>/dev/null; then
+if ! mkdir -p "$logs" 2>/dev/null || ! [ -w "$logs" ] || ! [ -w build ]; then
     echo "Cannot write into $root/build: copy the repository to a folder of your own." >&2
     exit 1
 fi

@@ -26,7 +26,7 @@ MAY_IMPORT = {
     "experiments": ("edmlift", "data", "model", "reports", "training", "export", "evaluation"),
 }
 # Packages that not everyone has; only these may be imported inside a function.
-OPTIONAL = {"torch", "onnx", "onnxruntime", "h5py", "safetensors"}
+OPTIONAL = {"torch", "onnx", "onnxruntime", "h5py", "safetensors", "tflite"}
 FILES = sorted(path for folder in FOLDERS for path in (TOOLS / folder).rglob("*.py"))
 ENTRIES = sorted(TOOLS.glob("*.py"))
 

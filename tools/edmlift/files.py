@@ -64,7 +64,7 @@ def read_poses(path: str | Path) -> Poses:
             raise FileError(f"{path}:{line}: {error}") from None
         statuses.append(status)
         numbers.append(pose)
-    values = np.array(numbers, np.float32).reshape(-1, _NUMBERS + 1)
+    values = _float32(numbers).reshape(-1, _NUMBERS + 1)
     joints = values[:, :_NUMBERS].reshape(-1, JOINT_COUNT, 3)
     poses = Poses.of(joints, status=np.array(statuses, np.str_))
     return replace(poses, misfit=values[:, -1])
@@ -81,7 +81,13 @@ def read_truth(path: str | Path) -> NDArray[np.float32]:
         if len(row) != _NUMBERS:
             raise FileError(f"{path}:{line}: {len(row)} numbers, but a 3D pose has {_NUMBERS}")
         rows.append(row)
-    return np.array(rows, np.float32).reshape(-1, JOINT_COUNT, 3)
+    return _float32(rows).reshape(-1, JOINT_COUNT, 3)
+
+
+def _float32(numbers: list[list[float]]) -> NDArray[np.float32]:
+    """Numbers of a file; what is too large for float32 is infinite."""
+    with np.errstate(over="ignore"):
+        return np.array(numbers, np.float32)
 
 
 def _object(text: str) -> dict[str, Any]:

@@ -5,8 +5,9 @@
     export_weights.py gen/fconv.npz --quantise w8
     export_weights.py theirs.onnx --manifest theirs.json --name theirs --out gen/theirs_f32.h
 
-Reads FConn in every format of tools/export/readers.py, and .npz of the other networks.  What a
-model needs beside its layers comes from the manifest, the JSON file beside the weights; without
+Reads FConn in every format of tools/export/readers.py, batch normalisation folded into its layers,
+and .npz of the other networks.  What a reader takes for granted it says on stderr.  What a model
+needs beside its layers comes from the manifest, the JSON file beside the weights; without
 `fusion` in it, poses are not moved to the image.  The same layers and settings give the
 same header, whatever file they came from.
 
@@ -18,11 +19,13 @@ in the manifest.  It also notes how far the quantised networks then are from the
 import argparse
 import json
 import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
 from data.paths import GEN
 from export.calibrate import calibrate, training_inputs
+from export.chain import ExportWarning
 from export.header import replace_file, write_header
 from export.kinds import Kind, read_network
 from export.layers import ExportError, Layer, one_line
@@ -64,13 +67,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     weights, form = options.weights, options.quantise or "f32"
     manifest = options.manifest or weights.with_suffix(".json")
     try:
-        kind, layers = read_network(weights)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", ExportWarning)
+            kind, layers = read_network(weights)
         name = options.name or kind.model
         if options.calibrate:
             print(record_calibration(kind, layers, manifest, options.calibrate))
         settings = read_settings(manifest, kind.needs)
         out = options.out or GEN / f"{name}_{form}.h"
         print(write_header(layers, settings, name, weights.name, out, form, kind))
+        for warning in caught:
+            if issubclass(warning.category, ExportWarning):
+                print(f"export_weights: {weights}: {warning.message}", file=sys.stderr)
     except ExportError as error:
         print(f"export_weights: {weights}: {error}", file=sys.stderr)
         return 1

@@ -88,6 +88,7 @@ def write_header(
     if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name):
         raise ExportError(f"name '{name}' must be lower-case letters, digits, single underscores")
     model = f"{name}_{form}"
+    network: Sequence[Layer] | Sequence[quantise.Dense]
     if form == "f32":
         network, lines = layers, {"quantiser": "none (float32)"}
     else:

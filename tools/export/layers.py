@@ -36,17 +36,17 @@ def check_layers(
     first, last  inputs of the first layer, outputs of the last one
     units        how many an output of the others is: 2 in an equivariant network
     """
-    layers = [
+    checked = [
         Layer(
             to_float32(weight, f"layer {k}: weight", 2),
             to_float32(bias, f"layer {k}: bias", 1) + np.float32(0),  # which makes 0 of -0
         )
         for k, (weight, bias) in enumerate(layers)
     ]
-    if not layers:
+    if not checked:
         raise ExportError("holds no layers")
     width = first
-    for k, (weight, bias) in enumerate(layers):
+    for k, (weight, bias) in enumerate(checked):
         inputs, outputs = weight.shape
         if inputs != width:
             before = "the image gives" if k == 0 else f"layer {k - 1} gives"
@@ -58,7 +58,7 @@ def check_layers(
             raise ExportError(f"layer {k} is {width} wide, at most {MAX_UNITS} fit")
     if outputs != last:
         raise ExportError(f"the last layer gives {outputs} values, not {last}")
-    return layers
+    return checked
 
 
 def to_float32(array: Any, name: str, dimensions: int) -> np.ndarray:

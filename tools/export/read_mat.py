@@ -1,5 +1,7 @@
 """Reads .mat: MatConvNet's networks, version 5 to 7.3 of MATLAB's files."""
 
+import struct
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -7,16 +9,19 @@ from typing import Any
 import numpy as np
 import scipy.io
 
-from export.layers import ExportError, Layer, check_order
+from export.chain import RELU, Linear, Step, why_not
+from export.layers import ExportError
+from export.limits import H5, LARGEST, check_size
 
 
-def read_mat(path: Path) -> list[Layer]:
+def read_mat(path: Path) -> list[Step]:
     """MatConvNet: a SimpleNN, or what DagNN's saveobj() gives; as `net` or field by field."""
     net = load_mat(path)
     if "layers" not in net:
         raise ExportError("holds no net.layers: neither a SimpleNN nor a saved DagNN")
     params = {item["name"]: item["value"] for item in as_list(net.get("params", []))}
-    layers, order, value = [], [], None
+    steps: list[Step] = []
+    value = None
     for item in as_list(net["layers"]):
         kind = item["type"].removeprefix("dagnn.").lower()
         if kind == "pdist" or kind.endswith("loss"):
@@ -26,14 +31,12 @@ def read_mat(path: Path) -> list[Layer]:
         value = as_list(item["outputs"]) if "outputs" in item else None  # a SimpleNN has none
         check_mat_options(item)
         if kind == "conv":
-            layers.append(mat_dense(item, params))
-            order.append("dense")
+            steps.append(mat_dense(item, params))
         elif kind == "relu":
-            order.append("relu")
+            steps.append(RELU)
         elif kind != "dropout":  # idle once trained: training scaled what it let through
-            raise ExportError(f"unsupported MatConvNet layer {item['type']}: only conv and relu")
-    check_order(order)
-    return layers
+            raise ExportError(f"unsupported MatConvNet layer {item['type']}: {why_not(kind)}")
+    return steps
 
 
 def check_mat_options(item: Mapping[str, Any]) -> None:
@@ -44,7 +47,7 @@ def check_mat_options(item: Mapping[str, Any]) -> None:
             raise ExportError(f"unsupported {name} in MatConvNet layer {item['type']}")
 
 
-def mat_dense(item: Mapping[str, Any], params: Mapping[str, Any]) -> Layer:
+def mat_dense(item: Mapping[str, Any], params: Mapping[str, Any]) -> Linear:
     """Filters [h, w, c, out] as [in, out]: vl_nnconv sums over h, w, c, and h runs fastest."""
     if "weights" in item:
         arrays = as_list(item["weights"])
@@ -52,7 +55,7 @@ def mat_dense(item: Mapping[str, Any], params: Mapping[str, Any]) -> Layer:
         arrays = [params[name] for name in as_list(item["params"])]
     filters = arrays[0]
     biases = arrays[1].reshape(-1) if len(arrays) > 1 and arrays[1].size else None
-    return Layer(filters.reshape(-1, filters.shape[-1], order="F"), biases)
+    return Linear(filters.reshape(-1, filters.shape[-1], order="F"), biases)
 
 
 def as_list(value: Any) -> list[Any]:
@@ -67,30 +70,75 @@ def load_mat(path: Path) -> dict[str, Any]:
 
     if h5py.is_hdf5(path):  # version 7.3
         with h5py.File(path) as file:
-            root = file.get("net", file)
+            reader = MatlabH5(file)
+            root = file if "net" not in file else reader.child(file, "net")
             names = [name for name in ("layers", "params") if name in root]
-            return {name: plain_h5(file, root[name]) for name in names}
+            return {name: reader.plain(reader.child(root, name)) for name in names}
+    check_unpacked(path)
     # mat_dtype, because MATLAB stores integers, such as biases of zero, as bytes.
     variables = scipy.io.loadmat(path, simplify_cells=True, mat_dtype=True)
     return variables.get("net", variables)
 
 
-def plain_h5(file: Any, item: Any) -> Any:
-    """A MATLAB value in an HDF5 file, whose axes run the other way round."""
-    import h5py
+HEADER, TAG, COMPRESSED = 128, 8, 15  # of version 5: bytes, bytes, type of an element
+# What opens an array, struct or cell, by the order of the bytes.
+VALUE = {"<": b"\x0e\0\0\0", ">": b"\0\0\0\x0e"}
+MOST_VALUES = 5_000  # a network of 20 layers has 400
 
-    kind = item.attrs.get("MATLAB_class")
-    if isinstance(item, h5py.Group):
-        fields = {name: plain_h5(file, field) for name, field in item.items()}
-        if any("MATLAB_class" not in field.attrs for field in item.values()):
-            # An array of structs: each field is a list over the elements.
-            rows = zip(*fields.values(), strict=True)
-            return [dict(zip(fields, row, strict=True)) for row in rows]
-        return fields
-    if "MATLAB_empty" in item.attrs:
-        return "" if kind == b"char" else np.zeros(0)
-    if item.dtype == h5py.ref_dtype:
-        return [plain_h5(file, file[reference]) for reference in item[()].flat]
-    if kind == b"char":
-        return "".join(map(chr, item[()].flat))
-    return item[()].T
+
+def check_unpacked(path: Path) -> None:
+    """Raises ExportError if the variables of a file of version 5 unpack to too much, or are so
+    many that SciPy, which reads cells within cells by recursion, might run out of stack."""
+    data = path.read_bytes()
+    order = {b"IM": "<", b"MI": ">"}.get(data[126:HEADER])
+    if order is None:  # version 4, which has neither
+        return
+    at, total, count = HEADER, 0, data.count(VALUE[order])
+    while at + TAG <= len(data):
+        kind, size = struct.unpack_from(f"{order}II", data, at)
+        at += TAG
+        if kind == COMPRESSED:
+            unpacked = zlib.decompressobj().decompress(data[at : at + size], LARGEST - total + 1)
+            total += len(unpacked)
+            check_size(total, "the unpacked file")
+            count += unpacked.count(VALUE[order])
+        at += size
+    check_count(count)
+
+
+def check_count(count: int) -> None:
+    """Raises ExportError where there are more values than a network has."""
+    if count > MOST_VALUES:
+        raise ExportError(f"holds more than {MOST_VALUES} values")
+
+
+class MatlabH5(H5):
+    """Reads MATLAB's values from an HDF5 file, whose axes run the other way round."""
+
+    def __init__(self, file: Any) -> None:
+        super().__init__()
+        self.file, self.count = file, 0
+
+    def plain(self, item: Any) -> Any:
+        """A value as Python has it."""
+        import h5py
+
+        self.count += 1  # a cell can hold itself, or one that holds another twice
+        check_count(self.count)
+        kind = item.attrs.get("MATLAB_class")
+        if isinstance(item, h5py.Group):
+            members = {name: self.child(item, name) for name in item}
+            fields = {name: self.plain(field) for name, field in members.items()}
+            if any("MATLAB_class" not in field.attrs for field in members.values()):
+                # An array of structs: each field is a list over the elements.
+                rows = zip(*fields.values(), strict=True)
+                return [dict(zip(fields, row, strict=True)) for row in rows]
+            return fields
+        if "MATLAB_empty" in item.attrs:
+            return "" if kind == b"char" else np.zeros(0)
+        values = self.array(item)
+        if item.dtype == h5py.ref_dtype:
+            return [self.plain(self.file[reference]) for reference in values.flat]
+        if kind == b"char":
+            return "".join(map(chr, values.flat))
+        return values.T

@@ -1,113 +1,95 @@
-"""Reads trained weights: .npz (train.py's), .safetensors, .onnx, .pt and .pth (PyTorch), .mat
-(MatConvNet).
+"""Reads trained weights: .npz (train.py's), .safetensors, .pt and .pth (PyTorch), .onnx, .keras
+and .h5 (Keras), .tflite, .mat (MatConvNet).
 
-Each format is a function path -> layers in READERS.
+Each format is a function path -> steps in READERS; export/chain.py makes layers of them.
 """
 
 import re
 import zipfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from export.chain import Step, chained, fold
 from export.layers import ExportError, Layer, check_layers, one_line
+from export.limits import check_size, npy_array, read_members
+from export.read_keras import read_h5, read_keras
 from export.read_mat import read_mat
 from export.read_onnx import read_onnx
+from export.read_state import read_safetensors, read_torch
+from export.read_tflite import read_tflite
+from model.constants import PAIR_COUNT
 
 
 def load_npz(path: Path) -> dict[str, np.ndarray]:
     """The arrays of a file."""
-    if not zipfile.is_zipfile(path):  # np.load would take it for a pickle
+    if not zipfile.is_zipfile(path):
         raise ExportError("not a readable .npz file: no zip archive")
-    with np.load(path, allow_pickle=False) as file:
-        return {name: file[name] for name in file.files}
+    members = read_members(path)
+    return {name.removesuffix(".npy"): npy_array(data) for name, data in members.items()}
 
 
 def read_npz(path: Path) -> list[Layer]:
     """The project's own: weight0 [in, out], bias0 [out], weight1 ..."""
-    arrays, tensors = load_npz(path), {}
+    arrays = load_npz(path)
+    layers: dict[int, dict[str, np.ndarray]] = {}
     for name, array in arrays.items():
         match = re.fullmatch(r"(weight|bias)(\d+)", name)
         if match is None:
             raise ExportError(f"unknown array {name}: want weight0, bias0, weight1 ...")
-        tensors[f"{match[2]}.{match[1]}"] = array
-    layers = pair_up(tensors)
+        layers.setdefault(int(match[2]), {})[match[1]] = array
+    for k, pair in layers.items():
+        if missing := {"weight", "bias"} - pair.keys():
+            raise ExportError(f"layer {k} has no {missing.pop()}")
     if layers and f"weight{len(layers) - 1}" not in arrays:
         raise ExportError(f"the {len(layers)} layers are not numbered 0 to {len(layers) - 1}")
-    return layers
+    return [Layer(**layers[k]) for k in sorted(layers)]
 
 
-def read_safetensors(path: Path) -> list[Layer]:
-    """A PyTorch state dict: fc1.weight [out, in], fc1.bias [out] ..."""
-    from safetensors.numpy import load_file
-
-    return transposed(pair_up(load_file(path)))
-
-
-def read_torch(path: Path) -> list[Layer]:
-    """A PyTorch state dict, bare or as the "state_dict" of a checkpoint."""
-    try:
-        import torch
-    except ImportError:
-        raise ExportError(
-            f"reading {path.suffix} needs PyTorch: pip install torch, or save as .safetensors"
-        ) from None
-    state = torch.load(path, map_location="cpu", weights_only=True)
-    state = state.get("state_dict", state)
-    # float(), because NumPy has no bfloat16.  What is no tensor fails by its name in pair_up().
-    return transposed(
-        pair_up(
-            {
-                name: value.detach().float().numpy() if torch.is_tensor(value) else None
-                for name, value in state.items()
-            }
-        )
-    )
-
-
-def pair_up(tensors: Mapping[str, Any]) -> list[Layer]:
-    """Layers of tensors named PREFIX.weight and PREFIX.bias, in the natural order of the prefixes.
-
-    That names tell the order is the convention of nn.Sequential and of numbered modules;
-    safetensors keeps no other.
-    """
-    pairs: dict[str, dict[str, Any]] = {}
-    for name, tensor in tensors.items():
-        prefix, _, kind = name.rpartition(".")
-        if kind not in ("weight", "bias"):
-            raise ExportError(f"unsupported tensor {name}: only weight and bias of linear layers")
-        pairs.setdefault(prefix, {})[kind] = tensor
-    for prefix, pair in pairs.items():
-        if missing := {"weight", "bias"} - pair.keys():
-            raise ExportError(f"layer {prefix or 0} has no {missing.pop()}")
-    return [Layer(**pairs[prefix]) for prefix in sorted(pairs, key=natural)]
-
-
-def natural(text: str) -> list[str | int]:
-    """Sort key by which fc2 precedes fc10."""
-    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", text)]
-
-
-def transposed(layers: Iterable[Layer]) -> list[Layer]:
-    """PyTorch's [out, in] to [in, out]."""
-    return [Layer(weight.T, bias) for weight, bias in layers]
-
-
-READERS: dict[str, Callable[[Path], list[Layer]]] = {
-    ".npz": read_npz,
+# What a file holds, in order.
+READERS: dict[str, Callable[[Path], Sequence[Step]]] = {
+    ".npz": lambda path: chained(read_npz(path)),
     ".safetensors": read_safetensors,
-    ".onnx": read_onnx,
     ".pt": read_torch,
     ".pth": read_torch,
+    ".onnx": read_onnx,
+    ".keras": read_keras,
+    ".h5": read_h5,
+    ".hdf5": read_h5,
+    ".tflite": read_tflite,
     ".mat": read_mat,
 }
 
 
 def read_layers(path: Path) -> list[Layer]:
     """The layers in a file of weights, fit for a header.  Raises ExportError, never another."""
-    return check_layers(read_file(path, READERS))
+    layers = read_file(path, {name: folding(read) for name, read in READERS.items()})
+    refuse_coordinates(layers)
+    return check_layers(layers)
+
+
+def refuse_coordinates(layers: Sequence[Layer]) -> None:
+    """Raises ExportError if the layers seem to go from coordinates to coordinates."""
+    if not layers or any(np.ndim(layer.weight) != 2 for layer in layers):
+        return
+    inputs, outputs = layers[0].weight.shape[0], layers[-1].weight.shape[1]
+    if inputs in COORDINATES and outputs in COORDINATES:
+        raise ExportError(
+            f"layer 0 takes {inputs} values, the image gives {PAIR_COUNT}, and the last gives "
+            f"{outputs}: no kernel runs a network from coordinates to coordinates; train one "
+            "from distances to distances, or the kind `direct` (docs/own-weights.md)"
+        )
+
+
+# Numbers of two or three coordinates of 12 to 33 joints.
+COORDINATES = {axes * joints for axes in (2, 3) for joints in range(12, 34)} - {PAIR_COUNT}
+
+
+def folding(read: Callable[[Path], Sequence[Step]]) -> Callable[[Path], list[Layer]]:
+    """A reader's layers, batch normalisation folded into them."""
+    return lambda path: fold(read(path))
 
 
 def read_file(path: Path, readers: Mapping[str, Callable[[Path], Any]]) -> Any:
@@ -119,6 +101,7 @@ def read_file(path: Path, readers: Mapping[str, Callable[[Path], Any]]) -> Any:
         raise ExportError("no such file")
     if path.stat().st_size == 0:
         raise ExportError("the file is empty")
+    check_size(path.stat().st_size, "the file")
     try:
         return reader(path)
     except ExportError:

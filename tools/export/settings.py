@@ -10,6 +10,7 @@ import numpy as np
 
 from edmlift.joints import JOINTS
 from export.layers import ExportError, one_line
+from export.limits import LARGEST_MANIFEST, check_size
 from model.constants import MAX_IMPUTED, OBJECTIVES
 from model.manifest import NEAREST, NO_FUSION
 
@@ -90,25 +91,30 @@ def is_integer(value: object, low: int, high: int) -> bool:
 
 def is_real(value: object) -> bool:
     """A number that a float can hold."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and abs(value) <= float(np.finfo(np.float32).max)
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return False
+    return abs(value) <= float(np.finfo(np.float32).max)
 
 
 def is_number(value: object) -> bool:
     """A number that an edml_number can hold, in Q24 too."""
-    return is_real(value) and abs(value) < 128
+    return isinstance(value, int | float) and is_real(value) and abs(value) < 128
 
 
 def read_settings(path: Path, needs: Sequence[str]) -> ModelSettings:
     """The settings in a manifest, which must have those that the kind of network needs; keys that
     ModelSettings does not know are left to others."""
     try:
+        if path.is_file():
+            check_size(path.stat().st_size, f"manifest {path.name}", LARGEST_MANIFEST)
         manifest = json.loads(path.read_text("utf-8"))
     except FileNotFoundError:
         raise ExportError(
             f"no manifest {path.name}: write one with {', '.join(needs)}, "
             "or name another by --manifest"
         ) from None
+    except RecursionError:
+        raise ExportError(f"manifest {path.name} is nested too deeply") from None
     except (OSError, ValueError) as error:
         raise ExportError(f"manifest {path.name}: {one_line(error)}") from error
     if not isinstance(manifest, dict):

@@ -3,17 +3,20 @@ weights.  What quantised headers hold is tested in test_quantise.py."""
 
 import hashlib
 import json
+import pickle
 import re
 import shutil
 import struct
 import subprocess
 import sys
 import types
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from exports import MANIFEST, Net, export, make_net, refused
 from support import ROOT
 
 from export.cli import main
@@ -26,37 +29,12 @@ from reports.targets import SOURCES
 
 LIB = ROOT / "lib"
 SHAPE = (91, 128, 128, 91)
-MANIFEST = {
-    "fewest_joints": 10,
-    "objective": "none",
-    "refine_steps": 0,
-    "mirror": [0.5, -1.25, 0.1, 2, 0],
-    "fusion": {"share": 0.75, "misfit": 0.5, "distance": 4},
-    "recipe": {"name": "mds", "seed": 7},
-    "data": {"frames": 1000},
-    "metrics": {"gt": 45.25, "n10": 60},
-}
-Net = list[tuple[np.ndarray, np.ndarray]]
 
 
 @pytest.fixture
 def net() -> Net:
     """A random network, [in, out] and [out]; its square layer would betray a transposition."""
     return make_net(SHAPE)
-
-
-def make_net(shape: tuple[int, ...]) -> Net:
-    rng = np.random.default_rng(1)
-    net = [
-        (rng.normal(0, 0.1, (n, m)).astype(np.float32), rng.normal(0, 0.1, m).astype(np.float32))
-        for n, m in zip(shape[:-1], shape[1:], strict=True)
-    ]
-    # What a text might spoil: both zeros, a subnormal, extremes; and biases that are
-    # integers, which a .mat holds as bytes.
-    tiny, huge = np.finfo(np.float32).smallest_subnormal, np.finfo(np.float32).max
-    net[0][0][0, :6] = [0.0, -0.0, tiny, -huge, 1.0, 0.1]
-    net[0][1][:] = np.arange(len(net[0][1])) % 3
-    return net
 
 
 # ---- A network as each format holds it ---------------------------------------------------------
@@ -281,31 +259,6 @@ FORMATS: dict[str, tuple[str, Callable[[Path, Net], None]]] = {
 # ---- Help --------------------------------------------------------------------------------------
 
 
-def export(tmp_path: Path, weights: Path, manifest: dict | None = None, name: str = "fconn"):
-    """Exit status and header of an export."""
-    settings = tmp_path / "settings.json"
-    settings.write_text(json.dumps(MANIFEST if manifest is None else manifest))
-    header = tmp_path / "out.h"
-    arguments = [weights, "--manifest", settings, "--out", header, "--name", name]
-    return main([str(argument) for argument in arguments]), header
-
-
-def refused(tmp_path: Path, capsys, weights: Path, manifest: dict | None = None) -> str:
-    """The one line that a failed export prints; what was there before must still be."""
-    for before in (None, "before"):
-        header = tmp_path / "out.h"
-        header.write_text(before) if before else header.unlink(missing_ok=True)
-        files = sorted(tmp_path.iterdir())
-        status, _ = export(tmp_path, weights, manifest)
-        printed = capsys.readouterr()
-        assert (status, printed.out) == (1, "")
-        assert sorted({*tmp_path.iterdir()} - {*files}) in ([], [tmp_path / "settings.json"])
-        assert header.read_text() == before if before else not header.exists()
-    assert printed.err.startswith("export_weights: ")
-    assert printed.err.count("\n") == 1
-    return printed.err
-
-
 def parsed_arrays(text: str) -> dict[str, np.ndarray]:
     """The float arrays of a header: name -> values, float32."""
     arrays = {}
@@ -363,6 +316,9 @@ class FakeTensor:
     def float(self) -> "FakeTensor":
         return FakeTensor(self.array.astype(np.float32))
 
+    def numel(self) -> int:
+        return self.array.size
+
     def numpy(self) -> np.ndarray:
         return self.array
 
@@ -398,6 +354,39 @@ def test_torch_entry_that_is_no_tensor(tmp_path: Path, capsys, fake_torch: dict)
     fake_torch["state_dict"]["epoch"] = 3
     (tmp_path / "net.pt").write_bytes(b"not read")
     assert "unsupported tensor epoch" in refused(tmp_path, capsys, tmp_path / "net.pt")
+
+
+def test_torch_view_that_is_larger_than_its_storage(
+    tmp_path: Path, capsys, fake_torch: dict
+) -> None:
+    """A tensor of stride 0 takes 4 bytes in the file, whatever its shape."""
+    view = np.broadcast_to(np.float32(0), (1 << 20, 1 << 20))
+    fake_torch["state_dict"]["net.8.weight"] = FakeTensor(view)
+    (tmp_path / "net.pt").write_bytes(b"not read")
+    line = refused(tmp_path, capsys, tmp_path / "net.pt")
+    assert "net.8.weight takes 4194304 MB, at most 64 are read" in line
+
+
+def test_torch_module(tmp_path: Path, capsys, fake_torch: dict, monkeypatch) -> None:
+    """PyTorch's own message says how to run what is in the file."""
+
+    def load(path: Path, map_location: str, weights_only: bool) -> dict:
+        raise pickle.UnpicklingError("re-run with weights_only=False")
+
+    monkeypatch.setattr(sys.modules["torch"], "load", load)
+    (tmp_path / "net.pt").write_bytes(b"not read")
+    line = refused(tmp_path, capsys, tmp_path / "net.pt")
+    assert "holds more than tensors, such as a whole module: save model.state_dict()\n" in line
+    monkeypatch.setattr(sys.modules["torch"], "load", lambda *_, **__: [1, 2])
+    line = refused(tmp_path, capsys, tmp_path / "net.pt")
+    assert "holds no state dict: save model.state_dict()\n" in line
+
+
+def test_torch_archive_that_unpacks_to_much_more(tmp_path: Path, capsys, fake_torch: dict) -> None:
+    with zipfile.ZipFile(tmp_path / "net.pt", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("data/0", bytes(70 << 20))
+    line = refused(tmp_path, capsys, tmp_path / "net.pt")
+    assert "the unpacked archive takes 70 MB, at most 64 are read" in line
 
 
 def test_torch_not_installed(tmp_path: Path, capsys, monkeypatch) -> None:
@@ -759,9 +748,10 @@ def test_truncated_file(tmp_path: Path, capsys, net: Net, form: str) -> None:
 
 
 def test_unknown_suffix(tmp_path: Path, capsys) -> None:
-    (tmp_path / "net.h5").write_bytes(b"x")
-    line = refused(tmp_path, capsys, tmp_path / "net.h5")
-    assert "unknown suffix '.h5': one of .npz, .safetensors, .onnx, .pt, .pth, .mat" in line
+    (tmp_path / "net.pb").write_bytes(b"x")
+    line = refused(tmp_path, capsys, tmp_path / "net.pb")
+    known = ".npz, .safetensors, .pt, .pth, .onnx, .keras, .h5, .hdf5, .tflite, .mat"
+    assert f"unknown suffix '.pb': one of {known}\n" in line
 
 
 def test_no_such_file(tmp_path: Path, capsys) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -260,6 +261,20 @@ def test_draw_leaves_gaps_for_bad_lines(tmp_path: Path, capsys: pytest.CaptureFi
     (tmp_path / "t.csv").write_text("\n".join(TRUTH.read_text().splitlines()[4:7]))
     assert run("draw", source, "--out", tmp_path / "x.png", "--truth", tmp_path / "t.csv") == 0
     assert capsys.readouterr().out.startswith("2 of 3 poses lifted; ")
+
+
+@pytest.mark.parametrize("far", ["1e300", "1e30", "-1e8"])
+def test_draw_says_which_file_is_out_of_reach(tmp_path: Path, lifted: Path, capsys, far: str):
+    pytest.importorskip("PIL", reason="no Pillow")
+    out, strange = tmp_path / "x.png", tmp_path / "strange.csv"
+    strange.write_text(re.sub(r"(?m)^ok,[^,]*", f"ok,{far}", lifted.read_text()))
+    message = fails(capsys, "draw", WALK_CSV, strange, "--out", out, status=2)
+    assert "poses: joints at " in message
+    true = re.sub(r"(?m)^[-\d][^,]*", far, TRUTH.read_text())
+    strange.write_text(true)
+    message = fails(capsys, "draw", WALK_CSV, lifted, "--out", out, "--truth", strange, status=2)
+    assert "truth: joints at " in message
+    assert not out.exists()
 
 
 def test_what_draw_cannot_do(tmp_path: Path, lifted: Path, capsys: pytest.CaptureFixture):

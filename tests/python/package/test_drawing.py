@@ -1,6 +1,7 @@
 """The pictures: what is in them, and what they are not drawn from."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -204,3 +205,28 @@ def test_without_pillow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("edmlift.drawing.canvas.Image", None)
     with pytest.raises(ImportError, match=re.escape("pip install 'edmlift[draw]'")):
         edmlift.draw(poses(), tmp_path / "x.png")
+
+
+@pytest.mark.parametrize("far", [np.nan, np.inf, 1e300, 1e30, -1e8, 101.0])
+@pytest.mark.parametrize("suffix", [".png", ".gif"])
+def test_what_no_picture_can_show(tmp_path: Path, far: float, suffix: str):
+    """Before: a traceback, an empty picture, or a floor without an end."""
+    given = poses()
+    joints, truth = given.joints.copy(), np.array(TRUTH, float)
+    with np.errstate(over="ignore"):
+        joints[3, 5, 1] = far
+    truth[3, 5, 1] = far
+    out = tmp_path / f"x{suffix}"
+    with pytest.raises(ValueError, match="poses: joints at .* a picture shows 100 m"):
+        edmlift.draw(replace(given, joints=joints), out)
+    with pytest.raises(ValueError, match="truth: joints at .* a picture shows 100 m"):
+        edmlift.draw(given, out, truth=truth)
+    assert not out.exists()
+
+
+def test_a_refused_pose_may_be_anything(tmp_path: Path):
+    given = poses()
+    joints, status = given.joints.copy(), given.status.astype("U32")
+    joints[0], status[0] = np.nan, "degenerate"
+    edmlift.draw(replace(given, joints=joints, status=status), tmp_path / "x.png", frames=[0, 1])
+    assert (tmp_path / "x.png").exists()

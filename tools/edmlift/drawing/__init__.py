@@ -16,6 +16,7 @@ __all__ = ["COLUMNS", "MAX_COLUMNS", "SUFFIXES", "draw", "draw_joint_diagram", "
 
 SUFFIXES = (".png", ".gif")
 COLUMNS, MAX_COLUMNS = 6, 24
+FARTHEST = 100.0  # metres: what is farther is no person, and the floor would have no end
 _PATH_ASPECT = 1.5  # at most, of an animation's 2D panel, which shows the whole path
 
 
@@ -42,6 +43,9 @@ def draw(
     pictures  what the keypoints were seen in: one for all frames, or F; paths, or arrays [h,w,3]
     pitch     degrees by which the camera looked down: the floor is level then
     fps       frames a second of a .gif, 1 to 50
+
+    Raises ValueError where a pose that was lifted, or its truth, has joints that are not finite or
+    farther than 100 m from its origin.
     """
     path = Path(path)
     suffix = path.suffix.lower()
@@ -53,6 +57,9 @@ def draw(
     if count == 0 or (true is not None and len(true) != count):
         true_count = "no" if true is None else len(true)
         raise ValueError(f"draw() needs poses, and as many in truth: {count} and {true_count}")
+    _check_reach(given.joints[given.ok], "poses")
+    if true is not None:
+        _check_reach(true[given.ok], "truth")
     if not (abs(pitch) <= 90 and 1 <= fps <= 50):
         raise ValueError(f"pitch must be -90 to 90 degrees, fps 1 to 50, not {pitch} and {fps}")
     photos = _photos(pictures, count)
@@ -69,6 +76,15 @@ def draw(
     shown = None if true is None else true[chosen]
     scene = scene_of(picked(given, chosen), shown, pitch, False, 1.0)
     save_sheet(scene, path, title, names, [photos[frame] for frame in chosen])
+
+
+def _check_reach(joints: ArrayLike, name: str) -> None:
+    """Raises ValueError where joints [F,14,3] of lifted poses are not in reach of a picture."""
+    reach = np.abs(np.asarray(joints, float)).max(initial=0)
+    if not reach <= FARTHEST:
+        raise ValueError(
+            f"{name}: joints at {reach:g} m; a picture shows {FARTHEST:g} m around the person"
+        )
 
 
 def _photos(pictures: Sequence[Any] | None, count: int) -> list[Any]:
