@@ -1,5 +1,6 @@
-/* What the parts of lift_stdin share: main.c reads lines and lifts, in fixed point by fixed.c; csv.c
- * and jsonl.c know what a line looks like, options.c the command line.
+/* What the parts of lift_stdin share: main.c reads lines and lifts, in fixed point by fixed.c; video.c has
+ * what a video knows beside its tracks; csv.c and jsonl.c know what a line looks like, options.c the command
+ * line.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -27,6 +28,7 @@ typedef struct {
     int sweep;                 /* look for the focal length */
     int track;                 /* the lines are a video ... */
     float fps;                 /* ... of so many frames a second; 0: the lines have their times */
+    int hold_bones;            /* so many of its poses measure the bones of all; 0: none */
     edml_body body;            /* height 0: not given */
     int quality;               /* print it */
     int angles;                /* print them */
@@ -92,6 +94,23 @@ edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set
 
 /* Puts a placement, or the reason for none, into the answer. */
 void take_placement(answer *out, edml_status status, const edml_placement *placement, float focal);
+
+/* One person of a video, beside their track. */
+typedef struct {
+    edml_measured_body bones;
+    edml_path path;
+} followed_person;
+
+void start_person(followed_person *person);
+
+/* Gives a pose the bones that its person's poses have had so far. */
+void hold_bones(edml_pose *pose, followed_person *person, const options *set);
+
+/* Places the pose of the answer on the person's path.
+ *   camera  of the video; fx 0: not known yet, and then found */
+void place_frame(answer *out, followed_person *person, edml_camera *camera,
+                 const edml_keypoint joints[EDML_JOINTS], uint32_t time_ms, const options *set, void *work,
+                 size_t work_bytes);
 
 /* A detection: x, y and perhaps c. */
 edml_keypoint keypoint_of(const float *numbers, int count, float threshold);

@@ -69,9 +69,19 @@ static void place(answer *out, const edml_keypoint joints[EDML_JOINTS], const op
 /* The video so far. */
 typedef struct {
     edml_track track;
+    followed_person person;
+    edml_camera camera; /* fx 0: not known yet */
     unsigned long frame;
     double time; /* of this line, seconds */
 } video;
+
+/* When this line's frame was, in milliseconds of a clock that wraps around. */
+static uint32_t frame_time(const video *before, const options *set)
+{
+    const double ms = set->fps > 0 ? 1000.0 * (double)before->frame / (double)set->fps
+                                   : 1000.0 * before->time + 0.5;
+    return (uint32_t)fmod(floor(ms), 4294967296.0);
+}
 
 /* As the camera that is known sees it, if that can have seen it. */
 static edml_status lift_still(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const options *set)
@@ -89,11 +99,11 @@ static edml_status lift_frame(edml_pose *pose, const edml_keypoint in[EDML_JOINT
                               const options *set)
 {
     if (!set->track) return lift_still(pose, in, set);
-    const double ms = set->fps > 0 ? 1000.0 * (double)before->frame / (double)set->fps
-                                   : 1000.0 * before->time + 0.5;
-    const uint32_t time = (uint32_t)fmod(floor(ms), 4294967296.0);
-    return edml_track_lift(pose, &before->track, in, time, knows_up(set) ? &set->up : NULL, set->model,
-                           &work, sizeof work);
+    const edml_status status = edml_track_lift(pose, &before->track, in, frame_time(before, set),
+                                               knows_up(set) ? &set->up : NULL, set->model, &work,
+                                               sizeof work);
+    if (status == EDML_OK && before->track.elapsed == 0) start_person(&before->person);
+    return status;
 }
 
 static int is_outside(edml_keypoint at, float width, float height)
@@ -136,8 +146,14 @@ static edml_status lift(answer *out, const edml_keypoint in[], video *before, co
     if (set->quality && edml_quality(&out->quality, &out->pose) != EDML_OK)
         out->quality = 0; /* a joint beyond 4 m, which only a float network can give */
     if (set->body.height > 0) status = edml_fit_body(&out->pose, &set->body);
-    if (status == EDML_OK && places(set)) place(out, seen, set);
-    return status;
+    if (status != EDML_OK) return status;
+    if (set->track) hold_bones(&out->pose, &before->person, set);
+    if (places(set) && set->track)
+        place_frame(out, &before->person, &before->camera, seen, frame_time(before, set), set, &work,
+                    sizeof work);
+    else if (places(set))
+        place(out, seen, set);
+    return EDML_OK;
 }
 
 /* How many poses were refused, and the first one's line and status. */
@@ -179,10 +195,8 @@ static unsigned long lift_lines(const line_format *lines, const options *set)
     refusals refused = {0, 0, NULL};
     size_t length = 0;
     line_result result;
-    video before;
+    video before = {.frame = 0};
     edml_track_start(&before.track);
-    before.frame = 0;
-    before.time = 0;
     snprintf(too_long, sizeof too_long, "longer than %d bytes", lines->longest);
     while (!ferror(stdout) && (result = read_line(buffer, (size_t)lines->longest, &length)) != LINE_END) {
         const int mark = ++number == 1 && strncmp(buffer, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0; /* BOM */

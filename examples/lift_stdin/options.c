@@ -43,10 +43,12 @@ static const char usage[] =
     "                  place each pose before it: fields placement (ok, or why not),\n"
     "                  root_x, root_y, root_z (mid-hip, metres from the camera), reprojection (RMS,\n"
     "                  pixels) and focal follow; the joints are relative to the root and rotated as\n"
-    "                  placed or, where placement is not ok, as without a camera;\n"
+    "                  placed or, where placement is not ok, as without a camera; with --track the\n"
+    "                  person's path is filtered from frame to frame;\n"
     "                  with --json, members \"placement\", \"root\":[x,y,z], \"reprojection\", \"focal\"\n"
     "  --focal F       the same with this focal length and the middle of the image; --focal sweep\n"
-    "                  looks for the one that fits best: distances are then a guess\n"
+    "                  looks for the one that fits best: distances are then a guess; with --track\n"
+    "                  the first pose decides, and the whole video has that focal length\n"
     "  --height M      the person's standing height in metres: poses get this size\n"
     "  --quality       a field quality follows misfit: 0 to 1, the chance of a mean error under 100 mm\n"
     "  --angles        the angles of the pose in degrees come last (docs/angles.md), empty where a joint\n"
@@ -54,10 +56,13 @@ static const char usage[] =
     "  --json          lines of JSON: objects with \"keypoints\":[[x,y,c],...], where a keypoint may be\n"
     "                  [x,y], null or [null,null], and all of them null or [] where nobody is; each\n"
     "                  comes out with all its members, a bad one as well, and \"status\",\n"
-    "                  \"joints\":[[x,y,z],...] and \"misfit\"\n"
+    "                  \"joints\":[[x,y,z],...] and \"misfit\"\n";
+static const char more_usage[] = /* a string of C99 has 4095 characters */
     "  --track FPS     the lines are a video of one person, FPS frames a second: steady its motion;\n"
     "                  --track t: at the times that the objects of --json have, \"t\", in seconds;\n"
     "                  a line that is not a pose is a frame without one; one video a run\n"
+    "  --hold-bones N  of a video: the first N poses, 60 at most, measure the person's bones, whose\n"
+    "                  lengths all poses then have (default: 60); 0: bones are as each pose has them\n"
     "  --model NAME    network (default: distances_f32; with --fixed distances_w16), such as\n"
     "                  direct_w16; --list-models has all\n"
     "  --fixed         lift in fixed point, as on a core without an FPU; coordinates must be within\n"
@@ -202,6 +207,19 @@ static void set_track(options *set, const char *text)
     exit(EXIT_TROUBLE);
 }
 
+static void set_hold_bones(options *set, const char *text)
+{
+    float count;
+    if (read_list(&count, 1, text) && count >= 0 && count <= EDML_MEASURED_POSES &&
+        count == floorf(count)) {
+        set->hold_bones = (int)count;
+        return;
+    }
+    fprintf(stderr, "lift_stdin: --hold-bones must be 0 to %d poses, not '%s'\n", EDML_MEASURED_POSES,
+            text);
+    exit(EXIT_TROUBLE);
+}
+
 static void set_height(options *set, const char *text)
 {
     edml_pose zero = {{{0, 0, 0}}, 0, 0}; /* edml_fit_body() fails later with it than with a bad height */
@@ -218,9 +236,10 @@ static int set_value(options *set, char **argv, int *i)
         const char *name;
         void (*set)(options *set, const char *value);
     } settings[] = {
-        {"--model", set_model}, {"--format", set_format}, {"--threshold", set_threshold},
-        {"--image", set_image}, {"--camera", set_camera}, {"--focal", set_focal},
-        {"--track", set_track}, {"--height", set_height}, {"--up", set_up},
+        {"--model", set_model},           {"--format", set_format}, {"--threshold", set_threshold},
+        {"--image", set_image},           {"--camera", set_camera}, {"--focal", set_focal},
+        {"--track", set_track},           {"--height", set_height}, {"--up", set_up},
+        {"--hold-bones", set_hold_bones},
     };
     for (unsigned n = 0; n < sizeof settings / sizeof *settings; n++) {
         const char *value = option_value(settings[n].name, argv, i);
@@ -239,7 +258,7 @@ static void print_and_exit(const char *option)
     else if (strcmp(option, "--list-formats") == 0)
         print_formats(stdout);
     else if (strcmp(option, "--help") == 0)
-        fputs(usage, stdout);
+        fputs(usage, stdout), fputs(more_usage, stdout);
     else if (strcmp(option, "--version") == 0)
         puts("lift_stdin (edmlift) " EDML_VERSION_STRING);
     else
@@ -261,7 +280,7 @@ static void finish_camera(options *set)
 
 options read_options(char **argv)
 {
-    options set = {.model = NULL};
+    options set = {.hold_bones = -1};
     for (int i = 1; argv[i] != NULL; i++) {
         if (set_value(&set, argv, &i)) continue;
         print_and_exit(argv[i]);
@@ -290,6 +309,8 @@ options read_options(char **argv)
     if (normalised && set.width == 0)
         refuse("keypoints of this format are normalised: give the image's size with --image WIDTH,HEIGHT");
     finish_camera(&set);
+    if (set.hold_bones >= 0 && !set.track) refuse("--hold-bones is for a video: give --track, too");
+    if (set.hold_bones < 0) set.hold_bones = EDML_MEASURED_POSES;
     if (set.fixed && set.track) refuse("--track works in float only: give --track or --fixed, not both");
     if (set.quality && set.track)
         refuse("--quality is for single lifts: give --quality or --track, not both");
