@@ -1,6 +1,6 @@
 /* What the parts of lift_stdin share.  csv.c and people.c find people in lines and in JSON; numbers.c,
  * keypoints.c and names.c read their keypoints; main.c lifts them, in fixed point by fixed.c, each person of a
- * video by its track in tracks.c; mistakes.c looks for likely ones; options.c knows the command line.
+ * video by its track in tracks.c, and with bones, a path and a camera by video.c; mistakes.c looks for likely ones; options.c knows the command line.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -32,6 +32,7 @@ typedef struct {
     int sweep;                 /* look for the focal length */
     int track;                 /* the lines are a video ... */
     float fps;                 /* ... of so many frames a second; 0: the lines have their times */
+    int hold_bones;            /* so many of its poses measure the bones of all; 0: none */
     edml_body body;            /* height 0: not given */
     int quality;               /* print it */
     int angles;                /* print them */
@@ -94,6 +95,8 @@ int lift_json(FILE *file, const options *set);
 /* One person of a video. */
 typedef struct {
     edml_track track;
+    edml_measured_body bones;
+    edml_path path;
     uint64_t id;    /* of the input; 0: none */
     long number;    /* from 0, in the order of their first frames; below 0: it has none */
     double last_ms; /* of its last frame */
@@ -121,5 +124,15 @@ edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set
 
 /* Puts a placement, or the reason for none, into the answer. */
 void take_placement(answer *out, edml_status status, const edml_placement *placement, float focal);
+
+/* Begins the bones and the path of a track. */
+void start_person(person_track *by);
+
+/* Gives a pose the bones that its person's poses have had so far. */
+void hold_bones(edml_pose *pose, person_track *by, const options *set);
+
+/* Places the pose of the answer on the person's path, before the camera of the video. */
+void place_frame(answer *out, person_track *by, const edml_keypoint joints[EDML_JOINTS], uint32_t time_ms,
+                 const options *set, void *work, size_t work_bytes);
 
 #endif

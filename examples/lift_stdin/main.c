@@ -55,13 +55,18 @@ static double time_of(const person *who, const options *set)
     return set->fps > 0 ? 1000.0 * (double)who->frame / (double)set->fps : 1000.0 * who->time + 0.5;
 }
 
+/* By a clock that wraps around. */
+static uint32_t clock_of(double ms) { return (uint32_t)fmod(floor(ms), 4294967296.0); }
+
 static edml_status lift_frame(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], double ms,
-                              edml_track *track, const options *set)
+                              person_track *by, const options *set)
 {
     if (!set->track) return lift_still(pose, in, set);
-    const uint32_t time = (uint32_t)fmod(floor(ms), 4294967296.0);
-    return edml_track_lift(pose, track, in, time, knows_up(set) ? &set->up : NULL, set->model, &work,
-                           sizeof work);
+    const edml_status status = edml_track_lift(pose, &by->track, in, clock_of(ms),
+                                               knows_up(set) ? &set->up : NULL, set->model, &work,
+                                               sizeof work);
+    if (status == EDML_OK && by->track.elapsed == 0) start_person(by);
+    return status;
 }
 
 static int is_outside(edml_keypoint at, float width, float height)
@@ -113,7 +118,7 @@ static void adapt(edml_keypoint joints[EDML_JOINTS], const edml_keypoint in[], c
 static edml_status lift(answer *out, edml_keypoint joints[EDML_JOINTS], double ms, person_track *by,
                         const options *set)
 {
-    edml_status status = lift_frame(&out->pose, joints, ms, by != NULL ? &by->track : NULL, set);
+    edml_status status = lift_frame(&out->pose, joints, ms, by, set);
     if (by != NULL) feed_track(by, ms, status == EDML_OK);
     out->person = by != NULL ? by->number : -1;
     if (status != EDML_OK) return status;
@@ -121,8 +126,13 @@ static edml_status lift(answer *out, edml_keypoint joints[EDML_JOINTS], double m
     if (edml_quality(&out->quality, &out->pose) != EDML_OK)
         out->quality = 0; /* a joint beyond 4 m, which only a float network can give */
     if (set->body.height > 0) status = edml_fit_body(&out->pose, &set->body);
-    if (status == EDML_OK && places(set)) place(out, joints, set);
-    return status;
+    if (status != EDML_OK) return status;
+    if (by != NULL) hold_bones(&out->pose, by, set);
+    if (places(set) && by != NULL)
+        place_frame(out, by, joints, clock_of(ms), set, &work, sizeof work);
+    else if (places(set))
+        place(out, joints, set);
+    return EDML_OK;
 }
 
 /* ---- What was refused, and what was bad --------------------------------------------------------- */

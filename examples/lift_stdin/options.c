@@ -49,10 +49,12 @@ static const char usage_of_options[] = /* apart, because compilers need not take
     "                  place each pose before it: fields placement (ok, or why not),\n"
     "                  root_x, root_y, root_z (mid-hip, metres from the camera), reprojection (RMS,\n"
     "                  pixels) and focal follow; the joints are relative to the root and rotated as\n"
-    "                  placed or, where placement is not ok, as without a camera;\n"
+    "                  placed or, where placement is not ok, as without a camera; with --track the\n"
+    "                  person's path is filtered from frame to frame;\n"
     "                  with --json, members \"placement\", \"root\":[x,y,z], \"reprojection\", \"focal\"\n"
     "  --focal F       the same with this focal length and the middle of the image; --focal sweep\n"
-    "                  looks for the one that fits best: distances are then a guess\n"
+    "                  looks for the one that fits best: distances are then a guess; with --track\n"
+    "                  the first pose decides, and the whole video has that focal length\n"
     "  --height M      the person's standing height in metres: poses get this size\n"
     "  --quality       a field quality follows misfit: 0 to 1, the chance of a mean error under 100 mm\n"
     "  --angles        the angles of the pose in degrees come last (docs/angles.md), empty where a joint\n"
@@ -69,6 +71,8 @@ static const char usage_of_options[] = /* apart, because compilers need not take
     "                  of people each has a track, by its \"idx\", \"track_id\", \"person_id\" or \"id\", "
     "else\n"
     "                  the nearest: \"person\" is its number.  A 17th has the status too_many_people\n"
+    "  --hold-bones N  of a video: the first N poses, 60 at most, measure a person's bones, whose\n"
+    "                  lengths all poses then have (default: 60); 0: bones are as each pose has them\n"
     "  --model NAME    network (default: distances_f32; with --fixed distances_w16), such as\n"
     "                  direct_w16; --list-models has all\n"
     "  --fixed         lift in fixed point, as on a core without an FPU; coordinates must be within\n"
@@ -213,6 +217,19 @@ static void set_track(options *set, const char *text)
     exit(EXIT_TROUBLE);
 }
 
+static void set_hold_bones(options *set, const char *text)
+{
+    float count;
+    if (read_list(&count, 1, text) && count >= 0 && count <= EDML_MEASURED_POSES &&
+        count == floorf(count)) {
+        set->hold_bones = (int)count;
+        return;
+    }
+    fprintf(stderr, "lift_stdin: --hold-bones must be 0 to %d poses, not '%s'\n", EDML_MEASURED_POSES,
+            text);
+    exit(EXIT_TROUBLE);
+}
+
 static void set_height(options *set, const char *text)
 {
     edml_pose zero = {{{0, 0, 0}}, 0, 0}; /* edml_fit_body() fails later with it than with a bad height */
@@ -229,9 +246,10 @@ static int set_value(options *set, char **argv, int *i)
         const char *name;
         void (*set)(options *set, const char *value);
     } settings[] = {
-        {"--model", set_model}, {"--format", set_format}, {"--threshold", set_threshold},
-        {"--image", set_image}, {"--camera", set_camera}, {"--focal", set_focal},
-        {"--track", set_track}, {"--height", set_height}, {"--up", set_up},
+        {"--model", set_model},           {"--format", set_format}, {"--threshold", set_threshold},
+        {"--image", set_image},           {"--camera", set_camera}, {"--focal", set_focal},
+        {"--track", set_track},           {"--height", set_height}, {"--up", set_up},
+        {"--hold-bones", set_hold_bones},
     };
     for (unsigned n = 0; n < sizeof settings / sizeof *settings; n++) {
         const char *value = option_value(settings[n].name, argv, i);
@@ -290,7 +308,7 @@ static void finish_camera(options *set)
 
 options read_options(char **argv)
 {
-    options set = {.model = NULL, .threshold = -1};
+    options set = {.model = NULL, .threshold = -1, .hold_bones = -1};
     for (int i = 1; argv[i] != NULL; i++) {
         if (set_value(&set, argv, &i)) continue;
         print_and_exit(argv[i]);
@@ -313,6 +331,8 @@ options read_options(char **argv)
     finish_camera(&set);
     if (set.mirrored && places(&set) && set.width == 0)
         refuse("--mirrored with --camera needs the size of the image: --image WIDTH,HEIGHT");
+    if (set.hold_bones >= 0 && !set.track) refuse("--hold-bones is for a video: give --track, too");
+    if (set.hold_bones < 0) set.hold_bones = EDML_MEASURED_POSES;
     if (set.fixed && set.track) refuse("--track works in float only: give --track or --fixed, not both");
     if (set.quality && set.track)
         refuse("--quality is for single lifts: give --quality or --track, not both");

@@ -28,6 +28,27 @@ typedef struct {
  *                        has no direction */
 edml_status edml_fit_body(edml_pose *pose, const edml_body *body);
 
+enum { EDML_MEASURED_POSES = 60 }; /* after which edml_measure_body() holds the bones */
+
+/* The body of one person, as the poses of a video have it. */
+typedef struct {
+    edml_body body;           /* for edml_fit_body(): the bones so far, right and left alike; no height */
+    uint8_t seen[EDML_BONES]; /* in how many poses a bone was */
+    uint8_t poses;            /* measured so far, at most EDML_MEASURED_POSES */
+} edml_measured_body;
+
+void edml_measure_start(edml_measured_body *measured);
+
+/* Measures the bones of a pose.  edml_fit_body() with measured->body then gives all poses of a video bones that
+ * hardly change, and after EDML_MEASURED_POSES poses not at all.  A bone is the mean of the poses in which it is
+ * seen, on the right or on the left, and of a first estimate: average proportions at the first pose's size, and
+ * that pose.  A pose counts for no more than 10 % off the mean.  The result is always a body that edml_fit_body()
+ * takes.
+ *   pose  lifted; if a height is known, of that height already, by another edml_fit_body()
+ *   EDML_ERR_NOT_FINITE  a joint is not within 4 m
+ *   EDML_ERR_DEGENERATE  its bones add up to those of nobody of 0.52 to 2.4 m: the pose is not measured */
+edml_status edml_measure_body(edml_measured_body *measured, const edml_pose *pose);
+
 /* The probability that a pose's mean joint error is under 100 mm (rigid alignment, no scale), as far as its
  * misfit, its bones, the number of joints seen and how far the person is seen from the side tell.
  * docs/body.md says how well that holds.
@@ -72,6 +93,14 @@ typedef struct {
 } edml_body_q;
 
 edml_status edml_fit_body_q(edml_pose_q *pose, const edml_body_q *body);
+
+typedef struct {
+    edml_body_q body;
+    uint8_t seen[EDML_BONES], poses;
+} edml_measured_body_q;
+
+void edml_measure_start_q(edml_measured_body_q *measured);
+edml_status edml_measure_body_q(edml_measured_body_q *measured, const edml_pose_q *pose);
 edml_status edml_quality_q(int32_t *quality, const edml_pose_q *pose);
 edml_status edml_joint_limits_q(int *violations, const edml_pose_q *pose);
 edml_status edml_reflect_by_joint_limits_q(int *fewer, edml_pose_q *pose);

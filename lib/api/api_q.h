@@ -44,6 +44,9 @@ static inline int is_in_range_q16(int32_t a) { return a > -(INT32_C(1) << 29) &&
 #define edml_camera edml_camera_q
 #define edml_placement edml_placement_q
 #define edml_body edml_body_q
+#define edml_measured_body edml_measured_body_q
+#define edml_path edml_path_q
+#define edml_focal edml_focal_q
 #define edml_image edml_image_q
 #define edml_image_point edml_image_point_q
 #define edml_prediction edml_prediction_q
@@ -70,7 +73,14 @@ static inline int is_in_range_q16(int32_t a) { return a > -(INT32_C(1) << 29) &&
 #define edml_lift_many edml_lift_many_q
 #define edml_place edml_place_q
 #define edml_place_sweep edml_place_sweep_q
+#define edml_path_start edml_path_start_q
+#define edml_path_follow edml_path_follow_q
+#define edml_focal_start edml_focal_start_q
+#define edml_focal_add edml_focal_add_q
+#define edml_focal_camera edml_focal_camera_q
 #define edml_fit_body edml_fit_body_q
+#define edml_measure_start edml_measure_start_q
+#define edml_measure_body edml_measure_body_q
 #define edml_quality edml_quality_q
 #define edml_stand edml_stand_q
 #define edml_angles edml_angles_q

@@ -2,5 +2,6 @@
 #include "../api/api_f32.h"
 
 #include "body.h"
+#include "measure_body.h"
 #include "quality.h"
 #include "stand.h"

@@ -2,5 +2,6 @@
 #include "../api/api_q.h"
 
 #include "body.h"
+#include "measure_body.h"
 #include "quality.h"
 #include "stand.h"

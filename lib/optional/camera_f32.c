@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "../api/api_f32.h"
 
+#include "camera/focal.h"
 #include "camera/lift_with_camera.h"
+#include "camera/path.h"
 #include "camera/pnp.h"

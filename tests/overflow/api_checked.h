@@ -69,6 +69,12 @@ struct edml_placement_checked {
     uint16_t steps;
 };
 
+struct edml_focal_checked {
+    pixels width, height;
+    api_real misfit[EDML_FOCAL_LENGTHS];
+    uint16_t poses;
+};
+
 struct edml_matrix_checked {
     real at[EDML_JOINTS][EDML_JOINTS];
 };
@@ -120,6 +126,9 @@ extern edml_status (*const checked_orientation)(edml_work_checked *work, const e
 #define edml_camera edml_camera_checked
 #define edml_placement edml_placement_checked
 #define edml_body edml_body_q
+#define edml_measured_body edml_measured_body_q
+#define edml_path edml_path_q
+#define edml_focal edml_focal_checked
 #define edml_matrix edml_matrix_checked
 #define edml_eigen edml_eigen_checked
 #define edml_plane_rotation edml_plane_rotation_checked
@@ -141,7 +150,14 @@ extern edml_status (*const checked_orientation)(edml_work_checked *work, const e
 #define edml_lift_with_camera edml_lift_with_camera_checked
 #define edml_place edml_place_checked
 #define edml_place_sweep edml_place_sweep_checked
+#define edml_path_start edml_path_start_checked
+#define edml_path_follow edml_path_follow_checked
+#define edml_focal_start edml_focal_start_checked
+#define edml_focal_add edml_focal_add_checked
+#define edml_focal_camera edml_focal_camera_checked
 #define edml_fit_body edml_fit_body_checked
+#define edml_measure_start edml_measure_start_checked
+#define edml_measure_body edml_measure_body_checked
 #define edml_quality edml_quality_checked
 #define edml_stand edml_stand_checked
 #define edml_angles edml_angles_checked

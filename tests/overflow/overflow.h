@@ -48,6 +48,16 @@ edml_status checked_place_sweep(edml_placement_q *placement, edml_camera_q *came
                                 const edml_keypoint_q in[EDML_JOINTS], int32_t width, int32_t height,
                                 checked_tally *tally);
 
+/* edml_path_follow_q(), and what it took; and edml_focal_add_q() followed by edml_focal_camera_q(). */
+edml_status checked_path_follow(edml_path_q *path, edml_placement_q *placement, uint32_t time_ms,
+                                checked_tally *tally);
+edml_status checked_focal_add(edml_focal_q *focal, edml_camera_q *camera, const edml_pose_q *pose,
+                              const edml_keypoint_q in[EDML_JOINTS], checked_tally *tally);
+
+/* edml_measure_body_q(), and what it took. */
+edml_status checked_measure_body(edml_measured_body_q *measured, const edml_pose_q *pose,
+                                 checked_tally *tally);
+
 /* edml_fit_body_q(), edml_quality_q() and edml_stand_q(), and what they took. */
 edml_status checked_fit_body(edml_pose_q *pose, const edml_body_q *body, checked_tally *tally);
 edml_status checked_quality(int32_t *quality, const edml_pose_q *pose, checked_tally *tally);

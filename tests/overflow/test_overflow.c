@@ -425,6 +425,74 @@ static void placements_with_unknown_focal_length(void)
     TEST_ASSERT_TRUE(placed > 50);
 }
 
+/* The search for one focal length goes on over poses of any kind; and paths, over placements anywhere. */
+static void searches_for_a_focal_length(void)
+{
+    rng r = rng_seed(94);
+    edml_focal_q expected;
+    int added = 0;
+    for (int n = 0; n < 300; n++) {
+        edml_pose pose;
+        edml_camera by;
+        edml_pose_q given;
+        edml_camera_q camera, other;
+        checked_tally taken;
+        const int32_t width = (int32_t)(rng_bits(&r) >> 3), height = (int32_t)(rng_bits(&r) >> (3 + n % 5));
+        if (n % 20 == 0)
+            TEST_ASSERT_EQUAL_INT(EDML_OK, edml_focal_start_q(&expected, width | 1, height | 1));
+        random_scene(&r, n, &pose, &by);
+        pose_to_q16(&given, &pose);
+        edml_focal_q found = expected;
+        memset(&camera, 0, sizeof camera);
+        memset(&other, 0, sizeof other);
+        edml_status status = edml_focal_add_q(&expected, &given, in, &work, sizeof work);
+        if (status == EDML_OK) status = edml_focal_camera_q(&camera, &expected);
+        TEST_ASSERT_EQUAL_INT(status, checked_focal_add(&found, &other, &given, in, &taken));
+        TEST_ASSERT_SAME_BYTES(expected, found);
+        TEST_ASSERT_SAME_BYTES(camera, other);
+        TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+        added += status == EDML_OK;
+    }
+    TEST_ASSERT_TRUE(added > 50);
+}
+
+/* People anywhere in reach, who stay, walk, leap, and are seen at any times. */
+static void paths_anywhere(void)
+{
+    rng r = rng_seed(95);
+    edml_path_q expected;
+    edml_placement_q placement, other;
+    edml_point at = {0, 0, 10};
+    uint32_t time = 0;
+    int followed = 0;
+    edml_path_start_q(&expected);
+    memset(&placement, 0, sizeof placement);
+    for (int n = 0; n < 50000; n++) {
+        const float most = n % 3 == 0 ? 105 : 10, step = magnitude(&r, 0.001F, n % 7 == 0 ? 20 : 1);
+        checked_tally taken;
+        if (n % 50 == 0) {
+            at.x = uniform(&r, -most, most);
+            at.y = uniform(&r, -most, most);
+            at.z = uniform(&r, 0.01F, most);
+        }
+        if (n % 1000 == 999) at.x = at.y = at.z = 99.99F;
+        const edml_point near = {at.x + step * gauss(&r), at.y + step * gauss(&r), at.z + step * gauss(&r)};
+        placement.translation = point_to_q16(near);
+        for (int j = 0; j < EDML_JOINTS; j++) placement.joint[j] = placement.translation;
+        time += 1 + (rng_bits(&r) >> (n % 100 < 50 ? 26 : 22));
+        edml_path_q path = expected;
+        other = placement;
+        const edml_status status = edml_path_follow_q(&expected, &placement, time);
+        TEST_ASSERT_EQUAL_INT(status, checked_path_follow(&path, &other, time, &taken));
+        TEST_ASSERT_EQUAL_MEMORY(&expected, &path, offsetof(edml_path_q, placements)); /* no padding */
+        TEST_ASSERT_EQUAL_INT(expected.placements, path.placements);
+        TEST_ASSERT_EQUAL_MEMORY(&placement, &other, offsetof(edml_placement_q, steps));
+        TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+        followed += status == EDML_OK;
+    }
+    TEST_ASSERT_TRUE(followed > 20000);
+}
+
 /* ---- Bodies, their quality, and on the floor --------------------------------------------------------- */
 
 static void same_fit_and_quality(const edml_pose_q *pose, const edml_body_q *body)
@@ -437,6 +505,15 @@ static void same_fit_and_quality(const edml_pose_q *pose, const edml_body_q *bod
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
     TEST_ASSERT_EQUAL_INT(edml_quality_q(&quality, pose), checked_quality(&other, pose, &taken));
     TEST_ASSERT_EQUAL_INT32(quality, other);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+}
+
+static void same_measure(edml_measured_body_q *measured, const edml_pose_q *pose)
+{
+    checked_tally taken;
+    edml_measured_body_q found = *measured;
+    TEST_ASSERT_EQUAL_INT(edml_measure_body_q(measured, pose), checked_measure_body(&found, pose, &taken));
+    TEST_ASSERT_EQUAL_MEMORY(measured, &found, sizeof found);
     TEST_ASSERT_EQUAL_INT(0, taken.overflows);
 }
 
@@ -481,7 +558,9 @@ static void same_joint_limits(const edml_pose_q *pose)
 static void poses_of_any_size(void)
 {
     rng r = rng_seed(88);
+    edml_measured_body_q measured;
     for (int n = 0; n < 20000; n++) {
+        if (n % 80 == 0) edml_measure_start_q(&measured);
         edml_pose pose;
         edml_pose_q given;
         edml_body_q body;
@@ -501,6 +580,7 @@ static void poses_of_any_size(void)
         const edml_point_q up = {(int32_t)rng_bits(&r) >> shift, (int32_t)rng_bits(&r) >> shift,
                                  (int32_t)rng_bits(&r) >> shift};
         same_fit_and_quality(&given, &body);
+        same_measure(&measured, &given);
         same_stand(&given, up);
         same_joint_limits(&given);
         same_angles(&given, n % 4 ? &up : NULL);
@@ -557,6 +637,8 @@ int main(void)
     RUN_TEST(placements_of_points_nearly_on_a_line);
     RUN_TEST(placements_with_unknown_focal_length);
     RUN_TEST(lifts_with_a_camera);
+    RUN_TEST(searches_for_a_focal_length);
+    RUN_TEST(paths_anywhere);
     RUN_TEST(poses_of_any_size);
     RUN_TEST(keypoints_of_any_detector);
     return UNITY_END();

@@ -37,6 +37,7 @@ def unseen(joints: list[int], pose: np.ndarray = WALK[0]) -> np.ndarray:
 
 GOOD = text(WALK[0])
 OTHER = text(WALK[20])
+FREE = ("--hold-bones", "0")  # of a video: as edml_track_lift() has its poses
 
 
 def rows(result: subprocess.CompletedProcess) -> list[list[str]]:
@@ -897,7 +898,7 @@ def test_up_is_the_librarys_whatever_its_length(
 def test_up_in_fixed_point_and_in_a_video() -> None:
     plain, fixed = (lift(GOOD, "--up", "0,-1,0", *more)[0] for more in ([], ["--fixed"]))
     np.testing.assert_allclose(numbers(fixed)[:42], numbers(plain)[:42], atol=0.02)
-    (tracked,) = lift(GOOD, "--up", "0,-1,0", "--track", "30")
+    (tracked,) = lift(GOOD, "--up", "0,-1,0", "--track", "30", *FREE)
     np.testing.assert_allclose(numbers(tracked)[:42], numbers(plain)[:42], atol=1e-5)
 
 
@@ -1034,7 +1035,7 @@ def test_bad_camera(options: list[str]) -> None:
 def test_track_is_the_librarys():
     keypoints = WALK.copy()
     keypoints[10] = keypoints[10, MIRROR]
-    table = rows(run("\n".join(text(pose) for pose in keypoints), "--track", "30"))
+    table = rows(run("\n".join(text(pose) for pose in keypoints), "--track", "30", *FREE))
     times = np.arange(len(WALK)) * 1000 // 30
     tracked = edmlift.Library().track().lift(keypoints, times)
     joints = np.array([numbers(row)[:42] for row in table]).reshape(-1, 14, 3)
@@ -1054,7 +1055,7 @@ def test_a_tracked_pose_is_placed_by_its_own_keypoints():
 def test_a_bad_line_is_a_frame_of_the_track():
     lines = [text(pose) for pose in WALK[:6]]
     lines[3] = "nonsense"
-    table = rows(run("# c\n\n" + "\n".join(lines), "--track=10"))
+    table = rows(run("# c\n\n" + "\n".join(lines), "--track=10", *FREE))
     times = np.array([0, 100, 200, 400, 500])
     tracked = edmlift.Library().track().lift(WALK[[0, 1, 2, 4, 5]], times)
     assert statuses(table) == ["ok"] * 3 + ["bad_line"] + ["ok"] * 2
@@ -1072,7 +1073,7 @@ def test_track_at_the_times_of_the_objects():
     times = np.array([0, 30, 70, 290, 290, 580, 610])  # milliseconds; a frame that is not later
     frames = WALK[: len(times)]
     lines = [as_json(pose, t=time / 1000 + 1.7e9) for pose, time in zip(frames, times, strict=True)]
-    answers = objects(run("\n".join(lines), "--json", "--track", "t"))
+    answers = objects(run("\n".join(lines), "--json", "--track", "t", *FREE))
     tracked = edmlift.Library().track().lift(frames, (times + 1.7e12) % 2**32)
     assert [answer["status"] for answer in answers] == tracked.status.tolist()
     assert tracked.status.tolist() == ["ok"] * 4 + ["time"] + ["ok"] * 2

@@ -26,6 +26,11 @@
 #define edml_adapt q24_adapt
 #define edml_place q24_place
 #define edml_place_sweep q24_place_sweep
+#define edml_path_follow q24_path_follow
+#define edml_focal_start q24_focal_start
+#define edml_focal_add q24_focal_add
+#define edml_focal_camera q24_focal_camera
+#define edml_measure_body q24_measure_body
 #define edml_fit_body q24_fit_body
 #define edml_quality q24_quality
 #define edml_stand q24_stand

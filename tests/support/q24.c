@@ -302,6 +302,111 @@ edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, cons
     return status;
 }
 
+static void to_placement_q16(edml_placement_q *out, const edml_placement *placement)
+{
+    memset(out, 0, sizeof *out);
+    for (int j = 0; j < EDML_JOINTS; j++) out->joint[j] = point_to_q16(placement->joint[j]);
+    for (int i = 0; i < 3; i++) out->rotation[i] = point_to_q16(placement->rotation[i]);
+    out->translation = point_to_q16(placement->translation);
+    out->reprojection = q16(placement->reprojection);
+    out->steps = placement->steps;
+}
+
+edml_status q24_path_follow(edml_path *path, edml_placement *placement, uint32_t time_ms)
+{
+    edml_path_q followed;
+    edml_placement_q placed;
+    if (path != NULL) {
+        followed.at = point_to_q16(path->at);
+        followed.rate = point_to_q16(path->rate);
+        followed.time = path->time;
+        followed.placements = path->placements;
+    }
+    if (placement != NULL) to_placement_q16(&placed, placement);
+    const edml_status status = edml_path_follow_q(path != NULL ? &followed : NULL,
+                                                  placement != NULL ? &placed : NULL, time_ms);
+    if (status != EDML_OK) return status;
+    path->at = point_from_q16(followed.at);
+    path->rate = point_from_q16(followed.rate);
+    path->time = followed.time;
+    path->placements = followed.placements;
+    from_placement_q16(placement, &placed);
+    return status;
+}
+
+static void to_focal_q16(edml_focal_q *out, const edml_focal *focal)
+{
+    out->width = q16(focal->width);
+    out->height = q16(focal->height);
+    for (int n = 0; n < EDML_FOCAL_LENGTHS; n++) out->misfit[n] = q16(focal->misfit[n]);
+    out->poses = focal->poses;
+}
+
+static void from_focal_q16(edml_focal *out, const edml_focal_q *focal)
+{
+    out->width = from_q16(focal->width);
+    out->height = from_q16(focal->height);
+    for (int n = 0; n < EDML_FOCAL_LENGTHS; n++) out->misfit[n] = from_q16(focal->misfit[n]);
+    out->poses = focal->poses;
+}
+
+edml_status q24_focal_start(edml_focal *focal, float width, float height)
+{
+    edml_focal_q search;
+    const edml_status status = edml_focal_start_q(focal != NULL ? &search : NULL, q16(width), q16(height));
+    if (status == EDML_OK) from_focal_q16(focal, &search);
+    return status;
+}
+
+edml_status q24_focal_add(edml_focal *focal, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
+                          void *work, size_t work_bytes)
+{
+    (void)work_bytes;
+    edml_focal_q search;
+    edml_pose_q given;
+    if (focal != NULL) to_focal_q16(&search, focal);
+    if (pose != NULL) pose_to_q16(&given, pose);
+    if (in != NULL) to_q16(keypoints, in);
+    const edml_status status = edml_focal_add_q(focal != NULL ? &search : NULL,
+                                                pose != NULL ? &given : NULL, in != NULL ? keypoints : NULL,
+                                                work != NULL ? &memory : NULL, sizeof memory);
+    if (status == EDML_OK) from_focal_q16(focal, &search);
+    return status;
+}
+
+edml_status q24_focal_camera(edml_camera *camera, const edml_focal *focal)
+{
+    edml_focal_q search;
+    edml_camera_q found;
+    if (focal != NULL) to_focal_q16(&search, focal);
+    const edml_status status = edml_focal_camera_q(camera != NULL ? &found : NULL,
+                                                   focal != NULL ? &search : NULL);
+    if (status != EDML_OK) return status;
+    const edml_camera by = {from_q16(found.fx), from_q16(found.fy), from_q16(found.cx), from_q16(found.cy)};
+    *camera = by;
+    return status;
+}
+
+edml_status q24_measure_body(edml_measured_body *measured, const edml_pose *pose)
+{
+    edml_measured_body_q state;
+    edml_pose_q given;
+    if (measured != NULL) {
+        state.body.height = q16(measured->body.height);
+        for (int n = 0; n < EDML_BONES; n++) state.body.bone[n] = q16(measured->body.bone[n]);
+        memcpy(state.seen, measured->seen, sizeof state.seen);
+        state.poses = measured->poses;
+    }
+    if (pose != NULL) pose_to_q16(&given, pose);
+    const edml_status status = edml_measure_body_q(measured != NULL ? &state : NULL,
+                                                   pose != NULL ? &given : NULL);
+    if (status != EDML_OK) return status;
+    for (int n = 0; n < EDML_BONES; n++) measured->body.bone[n] = from_q16(state.body.bone[n]);
+    memcpy(measured->seen, state.seen, sizeof state.seen);
+    measured->poses = state.poses;
+    return status;
+}
+
 edml_status q24_fit_body(edml_pose *pose, const edml_body *body)
 {
     edml_pose_q fitted;

@@ -47,6 +47,12 @@ edml_status q24_place_sweep(edml_placement *placement, edml_camera *camera, cons
                             const edml_keypoint in[EDML_JOINTS], float width, float height, void *work,
                             size_t work_bytes);
 
+edml_status q24_path_follow(edml_path *path, edml_placement *placement, uint32_t time_ms);
+edml_status q24_focal_start(edml_focal *focal, float width, float height);
+edml_status q24_focal_add(edml_focal *focal, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
+                          void *work, size_t work_bytes);
+edml_status q24_focal_camera(edml_camera *camera, const edml_focal *focal);
+edml_status q24_measure_body(edml_measured_body *measured, const edml_pose *pose);
 edml_status q24_fit_body(edml_pose *pose, const edml_body *body);
 edml_status q24_quality(float *quality, const edml_pose *pose);
 edml_status q24_joint_limits(int *violations, const edml_pose *pose);

@@ -146,6 +146,8 @@
 #define PLACE_ROTATION 3e-5F /* half a unit in the last place of each component: 2.6e-5 */
 #define PLACE_AXES 0.005F /* measured 0.0038 */
 #endif
+#define PATH_TOLERANCE 2e-3F      /* metres: places rounded to 2^-16 m, over steps of 16 ms */
+#define PATH_RATE_TOLERANCE 0.02F /* m/s */
 #define PLACE_FAR_DEGREES 0.05F
 #define PLACE_FAR_RELATIVE 1e-3F
 #define PLACE_JOINT 1e-3F /* metres */

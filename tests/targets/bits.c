@@ -144,8 +144,8 @@ static int place_poses(void)
         hard_pose(in, n);
         const float focal = (float)(500 + draw(2000));
         const edml_camera camera = {focal, focal, 1000, 0};
-        if (edml_lift_with_camera(&pose, in, some_up(n), &camera, &edml_distances_f32, &work, sizeof work) !=
-            EDML_OK)
+        if (edml_lift_with_camera(&pose, in, some_up(n), &camera, &edml_distances_f32, &work,
+                                  sizeof work) != EDML_OK)
             continue;
         add_bytes(pose.joint, sizeof pose.joint);
         const int8_t status = (int8_t)edml_place(&placement, &pose, in, &camera, &work, sizeof work);
@@ -171,7 +171,8 @@ static int place_poses_q24(void)
                                     sizeof work_q24) != EDML_OK)
             continue;
         add_bytes(pose.joint, sizeof pose.joint);
-        const int8_t status = (int8_t)edml_place_q(&placement, &pose, in, &camera, &work_q24, sizeof work_q24);
+        const int8_t status = (int8_t)edml_place_q(&placement, &pose, in, &camera, &work_q24,
+                                                   sizeof work_q24);
         add_bytes(&status, sizeof status);
         add_bytes(&placement, sizeof placement);
         placed += status == EDML_OK;
@@ -267,6 +268,76 @@ static int measure_poses_q24(void)
         add_bytes(degrees, sizeof degrees);
     }
     return measured;
+}
+
+/* Hard poses as a video: their bones, measured and held; the focal length of all; and where they go. */
+static int place_videos(void)
+{
+    int followed = 0;
+    edml_measured_body measured;
+    edml_focal focal;
+    edml_path path;
+    edml_measure_start(&measured);
+    edml_focal_start(&focal, 2000, 1000);
+    edml_path_start(&path);
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint in[EDML_JOINTS];
+        edml_pose pose;
+        edml_placement placement;
+        edml_camera camera = {0, 0, 0, 0};
+        memset(&placement, 0, sizeof placement);
+        hard_pose(in, n);
+        if (edml_lift(&pose, in, NULL, &edml_distances_f32, &work, sizeof work) != EDML_OK) continue;
+        edml_measure_body(&measured, &pose);
+        edml_fit_body(&pose, &measured.body);
+        add_bytes(pose.joint, sizeof pose.joint);
+        if (n % 4 == 0) edml_focal_add(&focal, &pose, in, &work, sizeof work);
+        edml_focal_camera(&camera, &focal);
+        add_bytes(&camera, sizeof camera);
+        if (edml_place(&placement, &pose, in, &camera, &work, sizeof work) != EDML_OK) continue;
+        const int8_t status = (int8_t)edml_path_follow(&path, &placement, (uint32_t)(40 * n));
+        add_bytes(&status, sizeof status);
+        add_bytes(&placement.translation, sizeof placement.translation);
+        followed += status == EDML_OK;
+    }
+    add_bytes(measured.body.bone, sizeof measured.body.bone);
+    add_bytes(focal.misfit, sizeof focal.misfit);
+    return followed;
+}
+
+static int place_videos_q24(void)
+{
+    int followed = 0;
+    edml_measured_body_q measured;
+    edml_focal_q focal;
+    edml_path_q path;
+    edml_measure_start_q(&measured);
+    edml_focal_start_q(&focal, 2000 * 65536, 1000 * 65536);
+    edml_path_start_q(&path);
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint_q in[EDML_JOINTS];
+        edml_pose_q pose;
+        edml_placement_q placement;
+        edml_camera_q camera = {0, 0, 0, 0};
+        memset(&placement, 0, sizeof placement);
+        hard_pose_q16(in, n);
+        if (edml_lift_q(&pose, in, NULL, &edml_distances_w16, &work_q24, sizeof work_q24) != EDML_OK)
+            continue;
+        edml_measure_body_q(&measured, &pose);
+        edml_fit_body_q(&pose, &measured.body);
+        add_bytes(pose.joint, sizeof pose.joint);
+        if (n % 4 == 0) edml_focal_add_q(&focal, &pose, in, &work_q24, sizeof work_q24);
+        edml_focal_camera_q(&camera, &focal);
+        add_bytes(&camera, sizeof camera);
+        if (edml_place_q(&placement, &pose, in, &camera, &work_q24, sizeof work_q24) != EDML_OK) continue;
+        const int8_t status = (int8_t)edml_path_follow_q(&path, &placement, (uint32_t)(40 * n));
+        add_bytes(&status, sizeof status);
+        add_bytes(&placement.translation, sizeof placement.translation);
+        followed += status == EDML_OK;
+    }
+    add_bytes(measured.body.bone, sizeof measured.body.bone);
+    add_bytes(focal.misfit, sizeof focal.misfit);
+    return followed;
 }
 
 /* Entries of both signs, of one size. */
@@ -398,6 +469,10 @@ static void report_the_rest(void)
     report_of("fconv f32", convolve(&f32), NETS, "computed");
     start();
     report_of("fconv w8", convolve(&w8), NETS, "computed");
+    start();
+    report("float video", place_videos(), "placed");
+    start();
+    report("fixed video", place_videos_q24(), "placed");
 }
 
 int main(void)

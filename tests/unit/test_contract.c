@@ -28,6 +28,9 @@ enum {
     STOOD,
     DEGREES,
     TRACK,
+    PATH,
+    FOCAL,
+    MEASURED,
     MILLIMETRES,
     POINTERS,
     NONE = -1
@@ -56,6 +59,9 @@ static struct {
     edml_point stood[EDML_JOINTS];
     api_real degrees[EDML_ANGLES];
     edml_track track;
+    edml_path path;
+    edml_focal focal;
+    edml_measured_body measured;
     uint8_t millimetres[EDML_JOINTS];
 } memory, before;
 
@@ -96,6 +102,22 @@ static edml_status call_place_sweep(void)
     return edml_place_sweep(pointer[PLACEMENT], pointer[CAMERA], pointer[POSE], pointer[IN], width, height,
                             pointer[WORK], work_bytes);
 }
+
+static edml_status call_path_follow(void)
+{
+    return edml_path_follow(pointer[PATH], pointer[PLACEMENT], time_ms);
+}
+
+static edml_status call_focal_start(void) { return edml_focal_start(pointer[FOCAL], width, height); }
+
+static edml_status call_focal_add(void)
+{
+    return edml_focal_add(pointer[FOCAL], pointer[POSE], pointer[IN], pointer[WORK], work_bytes);
+}
+
+static edml_status call_focal_camera(void) { return edml_focal_camera(pointer[CAMERA], pointer[FOCAL]); }
+
+static edml_status call_measure_body(void) { return edml_measure_body(pointer[MEASURED], pointer[POSE]); }
 
 static edml_status call_fit_body(void) { return edml_fit_body(pointer[POSE], pointer[BODY]); }
 
@@ -140,6 +162,11 @@ static const function functions[] = {
     {"edml_orient", call_orient, {POINTS, IMAGE, NONE}},
     {"edml_place", call_place, {PLACEMENT, POSE, IN, CAMERA, WORK, NONE}},
     {"edml_place_sweep", call_place_sweep, {PLACEMENT, CAMERA, POSE, IN, WORK, NONE}},
+    {"edml_path_follow", call_path_follow, {PATH, PLACEMENT, NONE}},
+    {"edml_focal_start", call_focal_start, {FOCAL, NONE}},
+    {"edml_focal_add", call_focal_add, {FOCAL, POSE, IN, WORK, NONE}},
+    {"edml_focal_camera", call_focal_camera, {CAMERA, FOCAL, NONE}},
+    {"edml_measure_body", call_measure_body, {MEASURED, POSE, NONE}},
     {"edml_fit_body", call_fit_body, {POSE, BODY, NONE}},
     {"edml_quality", call_quality, {QUALITY, POSE, NONE}},
     {"edml_joint_limits", call_joint_limits, {COUNT, POSE, NONE}},
@@ -179,8 +206,25 @@ static void point_to_memory(void)
     pointer[STOOD] = memory.stood;
     pointer[DEGREES] = memory.degrees;
     pointer[TRACK] = &memory.track;
+    pointer[PATH] = &memory.path;
+    pointer[FOCAL] = &memory.focal;
+    pointer[MEASURED] = &memory.measured;
     pointer[MILLIMETRES] = memory.millimetres;
     work_bytes = sizeof work;
+}
+
+/* A track and a path that go on, a placement 4 m away, an image of a pose, and a body of one. */
+static void prepare_video(void)
+{
+    edml_track_start(&memory.track);
+    time_ms = 100;
+    edml_path_start(&memory.path);
+    memset(&memory.placement, 0, sizeof memory.placement);
+    memory.placement.translation.z = TO_API(REAL(4.0));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_path_follow(&memory.path, &memory.placement, time_ms - 33));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_focal_start(&memory.focal, width, height));
+    memory.focal.poses = 1;
+    edml_measure_start(&memory.measured);
 }
 
 /* Arguments with which every function succeeds. */
@@ -204,8 +248,7 @@ static void prepare(const edml_model *model)
     memory.up.y = TO_API(-REAL(1.0));
     memory.upwards.x = memory.upwards.z = 0;
     memory.upwards.y = -REAL(1.0);
-    edml_track_start(&memory.track);
-    time_ms = 100;
+    prepare_video();
     seen = ALL_SEEN;
     point_to_memory();
     TEST_ASSERT_EQUAL_INT(EDML_OK, call_body_frame());
@@ -428,6 +471,16 @@ static void body_is_none(void) { memory.body.height = TO_API(REAL(3.5)); }
 
 static void camera_is_too_narrow(void) { memory.camera.fx = memory.camera.fy = to_pixels(100); }
 
+static void image_has_no_size(void) { memory.focal.width = 0; }
+
+static void search_has_no_pose(void) { memory.focal.poses = 0; }
+
+static void placement_is_out_of_reach(void) { memory.placement.joint[3].x = TO_API(REAL(121.0)); }
+
+static void placement_is_far_away(void) { memory.placement.translation.z = TO_API(REAL(101.0)); }
+
+static void placement_comes_late(void) { memory.path.time = time_ms; }
+
 static void up_is_zero(void) { memory.up.y = 0; }
 
 static void up_is_no_number(void) { memory.up.x = NO_NUMBER; }
@@ -450,7 +503,7 @@ static const struct {
     struct {
         edml_status (*call)(void);
         edml_status status;
-    } expected[9];
+    } expected[10];
 } faults[] = {
     {"a keypoint that is no number",
      keypoint_is_no_number,
@@ -460,6 +513,7 @@ static const struct {
          {call_body_frame, EDML_ERR_NOT_FINITE},
          {call_place, EDML_ERR_NOT_FINITE},
          {call_place_sweep, EDML_ERR_NOT_FINITE},
+         {call_focal_add, EDML_ERR_NOT_FINITE},
 #ifndef EDML_TEST_Q24
          {call_track_lift, EDML_ERR_NOT_FINITE},
 #endif
@@ -472,6 +526,7 @@ static const struct {
          {call_body_frame, EDML_ERR_TOO_FEW_JOINTS},
          {call_place, EDML_ERR_TOO_FEW_JOINTS},
          {call_place_sweep, EDML_ERR_TOO_FEW_JOINTS},
+         {call_focal_add, EDML_ERR_TOO_FEW_JOINTS},
 #ifndef EDML_TEST_Q24
          {call_track_lift, EDML_ERR_TOO_FEW_JOINTS},
          {call_uncertainty, EDML_ERR_TOO_FEW_JOINTS},
@@ -485,6 +540,7 @@ static const struct {
          {call_body_frame, EDML_ERR_DEGENERATE},
          {call_place, EDML_ERR_DEGENERATE},
          {call_place_sweep, EDML_ERR_DEGENERATE},
+         {call_focal_add, EDML_ERR_DEGENERATE},
 #ifndef EDML_TEST_Q24
          {call_track_lift, EDML_ERR_DEGENERATE},
 #endif
@@ -496,6 +552,8 @@ static const struct {
      pose_is_out_of_reach,
      {{call_place, EDML_ERR_NOT_FINITE},
       {call_place_sweep, EDML_ERR_NOT_FINITE},
+      {call_focal_add, EDML_ERR_NOT_FINITE},
+      {call_measure_body, EDML_ERR_NOT_FINITE},
       {call_fit_body, EDML_ERR_NOT_FINITE},
       {call_quality, EDML_ERR_NOT_FINITE},
       {call_joint_limits, EDML_ERR_NOT_FINITE},
@@ -506,6 +564,8 @@ static const struct {
      pose_is_a_point,
      {{call_place, EDML_ERR_DEGENERATE},
       {call_place_sweep, EDML_ERR_DEGENERATE},
+      {call_focal_add, EDML_ERR_DEGENERATE},
+      {call_measure_body, EDML_ERR_DEGENERATE},
       {call_fit_body, EDML_ERR_DEGENERATE}}},
     {"a pose of no lift", pose_is_of_no_lift, {{call_quality, EDML_ERR_ARGUMENT}}},
     {"points that are a point", points_are_a_point, {{call_orient, EDML_ERR_DEGENERATE}}},
@@ -513,10 +573,18 @@ static const struct {
      camera_is_none,
      {{call_place, EDML_ERR_CAMERA},
       {call_place_sweep, EDML_ERR_CAMERA},
+      {call_focal_start, EDML_ERR_CAMERA},
       {call_lift_with_camera, EDML_ERR_CAMERA}}},
     {"a camera that cannot have seen this",
      camera_is_too_narrow,
      {{call_place, EDML_ERR_CAMERA}, {call_lift_with_camera, EDML_ERR_CAMERA}}},
+    {"a search without an image",
+     image_has_no_size,
+     {{call_focal_add, EDML_ERR_CAMERA}, {call_focal_camera, EDML_ERR_CAMERA}}},
+    {"a search without a pose", search_has_no_pose, {{call_focal_camera, EDML_ERR_CAMERA}}},
+    {"a placement out of reach", placement_is_out_of_reach, {{call_path_follow, EDML_ERR_NOT_FINITE}}},
+    {"a placement too far away", placement_is_far_away, {{call_path_follow, EDML_ERR_CAMERA}}},
+    {"a placement that comes late", placement_comes_late, {{call_path_follow, EDML_ERR_TIME}}},
     {"no body", body_is_none, {{call_fit_body, EDML_ERR_BODY}}},
     {"no way up",
      up_is_zero,
@@ -551,7 +619,7 @@ enum { FAULTS = sizeof faults / sizeof faults[0] };
 /* A fault that is not in a function's list does not make it fail. */
 static edml_status expected_status(int fault, const function *f)
 {
-    for (int k = 0; k < 9 && faults[fault].expected[k].call != NULL; k++)
+    for (int k = 0; k < 10 && faults[fault].expected[k].call != NULL; k++)
         if (faults[fault].expected[k].call == f->run) return faults[fault].expected[k].status;
     return EDML_OK;
 }

@@ -26,7 +26,7 @@ from edmlift.metrics import joint_errors, mpjpe, pa_mpjpe, pck, procrustes
 from edmlift.motion import MOTION_SUFFIXES, write_motion
 from edmlift.networks import models
 from edmlift.people_tracks import TrackedPeople, track_people
-from edmlift.placing import Placements, place, stand
+from edmlift.placing import PlacedTrack, Placements, focal_length, place, stand
 from edmlift.plausibility import joint_limits, quality, reflect_by_joint_limits, uncertainty
 from edmlift.tracking import Track, Tracked, track
 from edmlift.viewing import view
@@ -40,6 +40,7 @@ __all__ = [
     "MIRROR",
     "MOTION_SUFFIXES",
     "FileError",
+    "PlacedTrack",
     "Placements",
     "Poses",
     "Track",
@@ -51,6 +52,7 @@ __all__ = [
     "draw",
     "fit_body",
     "flexion",
+    "focal_length",
     "heading",
     "joint_errors",
     "joint_limits",

@@ -61,6 +61,27 @@ PLACEMENT = np.dtype(
     align=True,
 )
 BODY = np.dtype([("height", np.float32), ("bone", np.float32, BONE_COUNT)])
+MEASURED_BODY = np.dtype(  # edml_measured_body
+    [("body", BODY), ("seen", np.uint8, BONE_COUNT), ("poses", np.uint8)], align=True
+)
+PATH = np.dtype(  # edml_path
+    [
+        ("at", np.float32, 3),
+        ("rate", np.float32, 3),
+        ("time", np.uint32),
+        ("placements", np.uint16),
+    ],
+    align=True,
+)
+FOCAL = np.dtype(  # edml_focal
+    [
+        ("width", np.float32),
+        ("height", np.float32),
+        ("misfit", np.float32, 12),
+        ("poses", np.uint16),
+    ],
+    align=True,
+)
 _SMOOTHING = np.dtype([("cutoff", np.float32), ("slope", np.float32)])
 _MOVING = np.dtype([("at", np.float32, 3), ("rate", np.float32, 3)])
 _TRACKED_JOINT = np.dtype(
@@ -140,11 +161,18 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "edml_lift_many*": (c_int, *[_POINTER] * 5, c_int, _POINTER, *_WORK),
     "edml_place": (_STATUS, _POINTER, _POINTER, _POINTER, _POINTER, *_WORK),
     "edml_place_sweep": (_STATUS, *[_POINTER] * 4, c_float, c_float, *_WORK),
+    "edml_path_start": (_VOID, _POINTER),
+    "edml_path_follow": (_STATUS, _POINTER, _POINTER, c_uint32),
+    "edml_focal_start": (_STATUS, _POINTER, c_float, c_float),
+    "edml_focal_add": (_STATUS, *[_POINTER] * 3, *_WORK),
+    "edml_focal_camera": (_STATUS, _POINTER, _POINTER),
     "edml_track_start": (_VOID, _POINTER),
     "edml_track_lift": (_STATUS, *[_POINTER] * 3, c_uint32, *[_POINTER] * 2, *_WORK),
     "edml_track_distance": (c_float, _POINTER, _POINTER, c_uint32),
     "edml_track_swap_sides": (_VOID, _POINTER, _POINTER),
     "edml_fit_body*": (_STATUS, _POINTER, _POINTER),
+    "edml_measure_start*": (_VOID, _POINTER),
+    "edml_measure_body*": (_STATUS, _POINTER, _POINTER),
     "edml_quality*": (_STATUS, _POINTER, _POINTER),
     "edml_uncertainty": (_STATUS, _POINTER, c_uint16),
     "edml_joint_limits*": (_STATUS, _POINTER, _POINTER),

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from edmlift._binding import BODY, BONE_COUNT, OK, load
+from edmlift._binding import BODY, BONE_COUNT, MEASURED_BODY, OK, load, pointer
 from edmlift.joints import BONES, JOINTS
 from edmlift.lifting import Poses, batched, c_poses, first, pointers, status_names
 
@@ -71,3 +71,31 @@ def fit_joints(
     status = np.array(codes, np.int32)
     joints = np.where((status == OK)[:, None, None], fitted["joint"], np.float32(np.nan))
     return joints, status_names(c, status)
+
+
+def give_measured(
+    c: ctypes.CDLL, poses: Poses, starts: NDArray[np.bool_], frames: int, measured: NDArray[np.void]
+) -> Poses:
+    """The poses of a video [F] with the bones of the first `frames` of them, or of as many as there
+    were, by edml_measure_body() and edml_fit_body(); measured anew where one starts [F].
+
+    measured  the state, MEASURED_BODY [1], which goes on from call to call
+    """
+    fitted, ok = c_poses(poses), poses.ok
+    state = pointer(measured)
+    for i, (pose,) in enumerate(pointers(fitted)):
+        if not ok[i]:
+            continue
+        if starts[i]:
+            c.edml_measure_start(state)
+        if measured["poses"][0] < frames:
+            c.edml_measure_body(state, pose)
+        if measured["poses"][0] > 0:
+            c.edml_fit_body(pose, state)  # the body is the first member
+    joints = np.where(ok[:, None, None], fitted["joint"], np.float32(np.nan))
+    return replace(poses, joints=joints)
+
+
+def unmeasured() -> NDArray[np.void]:
+    """The state of `give_measured` before the first pose."""
+    return np.zeros(1, MEASURED_BODY)

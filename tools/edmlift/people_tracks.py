@@ -1,18 +1,26 @@
 """Several people in a video: a track for each."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from edmlift.body import unmeasured
 from edmlift.detections import Detections
 from edmlift.keypoints import read_joints, read_keypoints, read_up
 from edmlift.lifting import picked, run_warnings
 from edmlift.mistakes import wrong_unit_of_time
 from edmlift.networks import Model, find_model
-from edmlift.tracking import Tracked, TrackedFrames, frame_times
+from edmlift.tracking import (
+    MEASURED_POSES,
+    Tracked,
+    TrackedFrames,
+    checked_count,
+    frame_times,
+    with_bones,
+)
 
 _LONGEST_GAP = 1000  # ms, that a track waits for its person
 _ALONE = ("alone",)  # the id of who is the only person of each line
@@ -42,6 +50,7 @@ def track_people(
     threshold: float | None = None,
     image: tuple[float, float] | None = None,
     mirrored: bool = False,
+    hold_bones: int = MEASURED_POSES,
 ) -> TrackedPeople:
     """Lifts a video of several people, each made steady by the frames before.
 
@@ -49,15 +58,16 @@ def track_people(
     fps    frames a second; default: each person has a time `t`, in seconds
     up     as in `lift`: [3], or one a person that was found, [N,3]
 
-    model, threshold, image and mirrored are as in `lift`.  People whom the detector has given an id
-    have a track each; others go to the nearest track that nobody of the frame has, within a body
-    size of where it expects them, or to a new one.  A track without its person for over a second
-    ends.  Lines or values that are one person each, without an id, are one person's.
+    model, threshold, image and mirrored are as in `lift`, hold_bones as in `Track`.  People whom
+    the detector has given an id have a track each; others go to the nearest track that nobody of
+    the frame has, within a body size of where it expects them, or to a new one.  A track without
+    its person for over a second ends.  Lines or values that are one person each, without an id, are
+    one person's.
     """
     joints, _ = read_joints(found.keypoints, found.format, threshold, image, mirrored)
     times = _times(found, fps)
     directions = read_up(up, len(joints))
-    tracks = _Tracks(find_model(model))
+    tracks, poses = _Tracks(find_model(model)), checked_count(hold_bones)
     rows: list[Tracked] = []
     numbers: list[int] = []
     taken: set[_PersonTrack] = set()
@@ -68,7 +78,8 @@ def track_people(
         person = found.person[n] if found.listed[n] or found.person[n] is not None else _ALONE
         track = tracks.find(joints[n], person, times[n], taken)
         taken.add(track)
-        rows.append(track.frames.lift(joints[n : n + 1], times[n : n + 1], above))
+        row = track.frames.lift(joints[n : n + 1], times[n : n + 1], above)
+        rows.append(with_bones(row, poses, track.measured))
         numbers.append(tracks.fed(track, times[n], bool(rows[-1].ok[0])))
     tracked = _joined(rows) if rows else TrackedFrames(find_model(model)).lift(joints, times)
     given, _ = read_keypoints(found.keypoints, found.format, threshold, image)
@@ -95,6 +106,7 @@ class _PersonTrack:
     person: Any  # the detector's id
     number: int = -1
     fed: float = -np.inf  # when, ms
+    measured: NDArray[np.void] = field(default_factory=unmeasured)  # bones
 
 
 class _Tracks:

@@ -5,12 +5,14 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from edmlift._binding import OK, POSE, TRACK, pointer
+from edmlift._binding import OK, POSE, TRACK, load, pointer
+from edmlift.body import give_measured, unmeasured
 from edmlift.keypoints import from_bits, read_joints, read_keypoints, read_up
 from edmlift.lifting import Poses, first, pointers, run_warnings, to_poses
 from edmlift.mistakes import wrong_unit_of_time
 from edmlift.networks import Model, find_model
 
+MEASURED_POSES = 60  # EDML_MEASURED_POSES
 _ARMS, _LEGS = 1, 2  # EDML_SWAPPED_ARMS, EDML_SWAPPED_LEGS
 
 
@@ -36,6 +38,9 @@ class Track:
     are (cutoff in Hz, slope) of the one-euro filters of keypoints and poses, by default as
     measured; jitter_full is the jitter of keypoints, in body sizes, at and above which these
     filters act in full (0: always).  docs/video.md has what they give.
+
+    hold_bones  so many poses, 60 at most, measure the person's bones, whose lengths all poses then
+                have (docs/body.md); 0: bones are as long as each pose has them
     """
 
     def __init__(
@@ -49,6 +54,7 @@ class Track:
         smooth_image: tuple[float, float] | None = None,
         smooth_space: tuple[float, float] | None = None,
         jitter_full: float | None = None,
+        hold_bones: int = MEASURED_POSES,
     ):
         self._frames = TrackedFrames(find_model(model))
         self._given = (format, threshold, image, mirrored)
@@ -59,6 +65,7 @@ class Track:
             state["smooth_space"] = smooth_space
         if jitter_full is not None:
             state["jitter_full"] = jitter_full
+        self._hold_bones, self._measured = checked_count(hold_bones), unmeasured()
 
     def lift(
         self, keypoints: ArrayLike, time_ms: ArrayLike, up: ArrayLike | None = None
@@ -74,6 +81,7 @@ class Track:
         joints, single = read_joints(keypoints, *self._given)
         times = np.atleast_1d(np.asarray(time_ms))
         tracked = self._frames.lift(joints, times, read_up(up, len(joints)))
+        tracked = with_bones(tracked, self._hold_bones, self._measured)
         return first(tracked) if single else tracked
 
     def distance(self, keypoints: ArrayLike, time_ms: float) -> float:
@@ -100,9 +108,11 @@ def track(
     threshold: float | None = None,
     image: tuple[float, float] | None = None,
     mirrored: bool = False,
+    hold_bones: int = MEASURED_POSES,
 ) -> Tracked:
     """Lifts a whole video of one person: keypoints [F,K,2 or 3], as in `lift`, at so many frames a
-    second or at times [F] in milliseconds.  `Track` takes the frames as they come, and settings."""
+    second or at times [F] in milliseconds.  hold_bones is as in `Track`, which takes the frames as
+    they come, and settings."""
     if (fps is None) == (time_ms is None):
         raise ValueError("track() takes either fps= or time_ms=")
     if fps is not None:
@@ -115,7 +125,8 @@ def track(
     tracked = TrackedFrames(find_model(model)).lift(joints, times, directions)
     seen, _ = read_keypoints(keypoints, format, threshold, image)
     warnings = run_warnings(tracked, seen, format)
-    return replace(tracked, warnings=warnings + wrong_unit_of_time(times))
+    held = with_bones(tracked, checked_count(hold_bones), unmeasured())
+    return replace(held, warnings=warnings + wrong_unit_of_time(times))
 
 
 def frame_times(fps: float, count: int) -> NDArray[np.float64]:
@@ -123,6 +134,21 @@ def frame_times(fps: float, count: int) -> NDArray[np.float64]:
     if not (np.isfinite(fps) and 0 < fps <= 1000):
         raise ValueError(f"fps must be over 0 and at most 1000, not {fps}")
     return np.arange(count) * 1000 / fps
+
+
+def checked_count(hold_bones: int) -> int:
+    """How many poses measure the bones: 0 to MEASURED_POSES."""
+    if not 0 <= hold_bones <= MEASURED_POSES:
+        raise ValueError(f"hold_bones must be 0 to {MEASURED_POSES} poses, not {hold_bones}")
+    return hold_bones
+
+
+def with_bones(tracked: Tracked, frames: int, measured: NDArray[np.void]) -> Tracked:
+    """A video with the bones of its first frames; 0: as it is.  `measured` is the state."""
+    if frames == 0:
+        return tracked
+    held = give_measured(load(), tracked, tracked.elapsed == 0, frames, measured)
+    return replace(tracked, joints=held.joints)
 
 
 # ---- For the library, unchecked ----------------------------------------------------------------

@@ -14,6 +14,7 @@ from evaluation import (
     motion_files,
     off_axis,
     reproject,
+    room,
     scaling,
     video,
 )
@@ -31,6 +32,7 @@ EVALUATIONS = {
     "motion_files": motion_files.EVALUATION,
     "off_axis": off_axis.EVALUATION,
     "reproject": reproject.EVALUATION,
+    "room": room.EVALUATION,
     "scaling": scaling.EVALUATION,
     "video": video.EVALUATION,
 }

@@ -327,24 +327,41 @@ edml_status edml_place(edml_placement *out, const edml_pose *pose, const edml_ke
     return write_placement(out, &v, &s, pose, camera, steps);
 }
 
+/* ---- Unknown focal length ------------------------------------------------------------------------- */
+
+/* Relative to the image's height: 0.5 to 4 in 11 equal steps of the logarithm. */
+static const real sweep_factor[EDML_FOCAL_LENGTHS] = {
+    REAL(0.5),      REAL(0.604045), REAL(0.72974),  REAL(0.881591), REAL(1.065041), REAL(1.286665),
+    REAL(1.554406), REAL(1.877862), REAL(2.268625), REAL(2.740702), REAL(3.311013), REAL(4.0)};
+
+static int is_image_size(pixels width, pixels height)
+{
+    return IS_FINITE(width) && IS_FINITE(height) && width > 0 && height > 0;
+}
+
+/* The camera that looks at the middle of the image; returns 0 if its focal length is out of range. */
+static int centred_camera(edml_camera *camera, real factor, pixels width, pixels height)
+{
+    const pixels eighth = MUL(height, factor / 8);
+    if (!IS_FINITE(4 * eighth)) return 0; /* nor would the whole be */
+    const pixels f = 8 * eighth;
+    const edml_camera centred = {f, f, width / 2, height / 2};
+    *camera = centred;
+    return 1;
+}
+
 edml_status edml_place_sweep(edml_placement *out, edml_camera *found, const edml_pose *pose,
                              const edml_keypoint in[EDML_JOINTS], pixels width, pixels height, void *memory,
                              size_t work_bytes)
 {
-    /* 0.5 to 4 in 11 equal steps of the logarithm */
-    static const real focal[12] = {REAL(0.5),      REAL(0.604045), REAL(0.72974),  REAL(0.881591),
-                                   REAL(1.065041), REAL(1.286665), REAL(1.554406), REAL(1.877862),
-                                   REAL(2.268625), REAL(2.740702), REAL(3.311013), REAL(4.0)};
     if (out == NULL || found == NULL || pose == NULL || in == NULL || memory == NULL)
         return EDML_ERR_ARGUMENT;
-    if (!(IS_FINITE(width) && IS_FINITE(height) && width > 0 && height > 0)) return EDML_ERR_CAMERA;
+    if (!is_image_size(width, height)) return EDML_ERR_CAMERA;
     edml_status best = EDML_ERR_CAMERA;
-    for (int n = 0; n < 12; n++) {
-        const pixels eighth = MUL(height, focal[n] / 8);
-        if (!IS_FINITE(4 * eighth)) continue; /* nor would the whole be */
-        const pixels f = 8 * eighth;
-        const edml_camera tried = {f, f, width / 2, height / 2};
+    for (int n = 0; n < EDML_FOCAL_LENGTHS; n++) {
+        edml_camera tried;
         edml_placement placed;
+        if (!centred_camera(&tried, sweep_factor[n], width, height)) continue;
         const edml_status status = edml_place(&placed, pose, in, &tried, memory, work_bytes);
         if (status == EDML_OK && (best != EDML_OK || placed.reprojection < out->reprojection)) {
             *out = placed;
