@@ -36,17 +36,23 @@ typedef struct {
     edml_smoothing smooth_image; /* of keypoints; speed in body sizes per second.  The body size is the mean
                                     |x| + |y| of the seen joints from their mean */
     edml_smoothing smooth_space; /* of poses; speed in m/s */
-    float jitter_full; /* keypoint jitter, in body sizes, at and above which the filters act in full;
-                          steadier keypoints are filtered less.  0: always in full */
+    float noise_full; /* the filters act in full where `jitter` is this many times `image_step`, and less
+                         where it is smaller.  Exact keypoints: about 1/3; noise alone: 1.4.  >= 0 and finite;
+                         0: always in full */
     /* Report on the last frame that was lifted. */
     float jitter; /* estimated keypoint jitter, body sizes: mean change of the prediction error from frame
                          to frame, averaged over about 0.2 s */
-    uint32_t elapsed; /* ms since the last frame; 0: there is none, or it is too long ago */
+    float image_step; /* how far keypoints are from the filtered ones before, body sizes; and joints, */
+    float space_step; /* metres.  Both averaged as `jitter` is */
+    uint32_t elapsed; /* ms since the last frame of this person; 0: there is none, or too long ago */
     uint16_t held;    /* bit j: joint j was not seen in this frame, but lately */
     uint8_t swapped;  /* EDML_SWAPPED_ARMS, _LEGS: the detector swapped right and left */
     uint8_t mirrored; /* 1: not the mirror image that this frame alone would give */
+    uint8_t leapt;    /* 1: another person, lifted by itself.  elapsed is 0 */
     /* State. */
     uint8_t started;
+    uint16_t
+        aside;     /* ms between the last frame of this person, and the last one, of another; 0: the same */
     uint32_t time; /* ms */
     float arms_log_odds, legs_log_odds, mirror_log_odds;
     edml_tracked_joint joint[EDML_JOINTS];
@@ -60,7 +66,10 @@ void edml_track_start(edml_track *track);
  * It undoes the detector's swaps of right and left arms (with shoulders) and legs (with hips); a swap that
  * lasts for about 0.4 s is believed.  A mirror image that persists is believed as well.  Missing joints stay
  * where they were, moved along with the others, for 300 ms.  Frames may be dropped; after a second without a
- * lifted one, the next starts anew.  Takes about 1.2 KB of stack more than edml_lift().
+ * lifted one, the next starts anew.  A frame that is over one body size away from where this person is expected
+ * (and two more a second, see edml_track_distance()) shows somebody else.  It is lifted by itself, and the
+ * track waits for its person; over 100 ms after their last frame, it starts anew with what is there.
+ * Takes about 1.2 KB of stack more than edml_lift().
  * A status other than EDML_OK leaves the track untouched, too.  Besides those of edml_lift():
  *   EDML_ERR_ARGUMENT        also: a track that was not started, or settings out of range
  *   EDML_ERR_TIME            not later than the last frame: a frame that was overtaken, a clock that was set

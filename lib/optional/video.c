@@ -1,7 +1,8 @@
 /* Video: from a stream of lifts to steady motion, a frame at a time and none delayed.
  *
- * The steps: undo swaps of right and left; filter the keypoints, and hold joints that are missing for a
- * moment; lift; choose the mirror image that persists; filter the pose.  Both filters are one-euro filters.
+ * The steps: is it the same person; undo swaps of right and left; filter the keypoints, and hold joints that
+ * are missing for a moment; lift; choose the mirror image that persists; filter the pose.  Both filters are
+ * one-euro filters that let pass what is no noise.
  * tools/evaluation measures it; the numbers below were chosen on training people.
  *
  * SPDX-License-Identifier: MIT
@@ -15,19 +16,21 @@
 #include "../geometry/seen.h"
 #include "../geometry/vector.h"
 
-enum { HOLD_MS = 300, GAP_MS = 1000 }; /* ms */
+enum { HOLD_MS = 300, GAP_MS = 1000, LEAP_MS = 100 };
 enum { MIN_SEEN = EDML_JOINTS / 2 };
+
+/* Another person is farther away than this, in body sizes; frames apart need more. */
+#define LEAP 1.0F
+#define LEAP_PER_SECOND 2.0F
 
 #define IMAGE_CUTOFF 2.0F /* Hz */
 #define IMAGE_SLOPE 4.0F  /* Hz per body size per second */
-#define SPACE_CUTOFF 1.0F
-#define SPACE_SLOPE 2.5F /* Hz per m/s */
-#define RATE_CUTOFF 4.0F /* Hz */
-
-/* The filters act in full at a usual detector's jitter; steadier keypoints are filtered less. */
-#define JITTER_FULL 0.115F  /* of a usual detector, body sizes: see estimate_jitter() ... */
-#define JITTER_SECONDS 0.2F /* ... averaged over */
-#define MAX_STEADINESS 3.0F /* times as steady as that: no filter gets lighter than for these */
+#define SPACE_CUTOFF 2.0F
+#define SPACE_SLOPE 2.5F     /* Hz per m/s */
+#define RATE_CUTOFF 4.0F     /* Hz */
+#define NOISE_FULL 1.0F      /* see motion_share() */
+#define MEAN_SECONDS 0.2F    /* what jitter and steps are averaged over */
+#define NOISE_IN_JITTER 1.0F /* mean square length of noise, by the square of the jitter that it makes */
 
 /* Log-odds, see flips(). */
 #define MAX_LOG_ODDS 6.0F      /* no belief is stronger */
@@ -37,6 +40,13 @@ enum { MIN_SEEN = EDML_JOINTS / 2 };
 #define SIDES_CONTINUE 0.3F    /* seconds, per squared body size */
 #define MIRROR_CONTINUES 0.15F /* seconds per square metre */
 #define MIRROR_PER_FRAME 5.0F  /* evidence for the mirror image that a single frame gives */
+
+static float clamp_float(float value, float most) /* NaN -> 0 */
+{
+    if (value > most) return most;
+    if (value < -most) return -most;
+    return value == value ? value : 0;
+}
 
 /* ---- The one-euro filter (Casiez, Roussel, Vogel 2012) ---------------------------------------- */
 
@@ -49,39 +59,58 @@ static edml_moving at_rest(edml_point at)
 /* The low-pass gain for a sample that comes `seconds` after the last. */
 static float gain(float cutoff, float seconds) { return seconds / (seconds + 1 / (6.2831853F * cutoff)); }
 
+/* Both filters, for a frame. */
+typedef struct {
+    edml_smoothing by;
+    float unit;   /* of speed */
+    float motion; /* the least gain: this part of what is new is motion */
+    float noise;  /* mean square of the other part, squared units */
+} filter;
+
+/* The part of the keypoints' steps that is motion.  Motion goes on in the next frame, and noise does not:
+ * exact keypoints have a jitter of a third of their steps, noise alone one of 1.4 times.  Neither depends on
+ * how large the steps are; what is small in the image may be large in depth. */
+static float motion_share(const edml_track *track)
+{
+    const float full = track->noise_full * track->image_step;
+    if (!(track->jitter < full)) return 0; /* also where nothing moves */
+    const float part = track->jitter / full;
+    return 1 - part * part * part * part;
+}
+
+/* `step` is the mean one in the filter's own units. */
+static filter filter_by(edml_smoothing by, const edml_track *track, float step, float unit)
+{
+    filter made = {by, unit, motion_share(track), 0};
+    if (!(track->noise_full > 0 && track->image_step > 0)) return made;
+    const float jitter = track->jitter * (step / track->image_step);
+    made.noise = NOISE_IN_JITTER * jitter * jitter;
+    return made;
+}
+
 /* Moves a joint towards where it is seen.  All of its coordinates have one cutoff, by its speed in units per
- * second, so that a rotation of the camera changes nothing. */
-static void smooth(edml_moving *joint, edml_point seen, float seconds, edml_smoothing by, float unit)
+ * second, so that a rotation of the camera changes nothing.  Noise has a speed as well, which is taken off. */
+static void smooth(edml_moving *joint, edml_point seen, float seconds, const filter *f)
 {
     const edml_point step = minus(seen, joint->at);
     const edml_point news = minus(times(1 / seconds, step), joint->rate);
-    joint->rate = plus(joint->rate, times(gain(RATE_CUTOFF, seconds), news));
-    const float x = joint->rate.x / unit, y = joint->rate.y / unit, z = joint->rate.z / unit;
-    const float cutoff = by.cutoff + by.slope * sqrtf(x * x + y * y + z * z);
-    joint->at = plus(joint->at, times(gain(cutoff, seconds), step));
+    const float rate_gain = gain(RATE_CUTOFF, seconds);
+    joint->rate = plus(joint->rate, times(rate_gain, news));
+    const float x = joint->rate.x / f->unit, y = joint->rate.y / f->unit, z = joint->rate.z / f->unit;
+    const float of_noise = rate_gain / (2 - rate_gain) * f->noise / (seconds * seconds);
+    const float square = x * x + y * y + z * z - of_noise;
+    const float cutoff = f->by.cutoff + f->by.slope * sqrtf(square > 0 ? square : 0);
+    const float alone = gain(cutoff, seconds);
+    joint->at = plus(joint->at, times(alone > f->motion ? alone : f->motion, step));
 }
 
-/* The filter for keypoints as steady as these.  The fourth power tells a detector's noise from motion, of
- * which estimate_jitter() sees a fifth as much. */
-static edml_smoothing lighten(edml_smoothing by, const edml_track *track)
+/* A mean over MEAN_SECONDS. */
+static void average(float *mean, float value, float seconds)
 {
-    if (!(track->jitter < track->jitter_full)) return by;
-    const int most = MAX_STEADINESS * track->jitter <= track->jitter_full; /* jitter is 0 if nobody moves */
-    const float part = most ? MAX_STEADINESS : track->jitter_full / track->jitter;
-    const float power = part * part * part * part;
-    by.cutoff *= power;
-    by.slope *= power;
-    return by;
+    *mean += seconds / (seconds + MEAN_SECONDS) * (clamp_float(value, 1) - *mean); /* infinity would stay */
 }
 
 /* ---- Right or reflected -------------------------------------------------------------------------- */
-
-static float clamp_float(float value, float most) /* NaN -> 0 */
-{
-    if (value > most) return most;
-    if (value < -most) return -most;
-    return value == value ? value : 0;
-}
 
 /* A choice between two: a pose or its mirror image; limbs as detected, or right and left swapped.
  *   belief      log-odds that the choices returned so far were right; updated
@@ -218,33 +247,35 @@ static int unswap_sides(edml_track *track, edml_keypoint in[], int right, float 
 
 /* ---- The image ------------------------------------------------------------------------------------ */
 
-/* Estimates the keypoints' jitter: the change of the prediction error from frame to frame.  Motion that is
- * faster than predicted stays so for some frames; noise does not. */
+/* Estimates how far keypoints are from the filtered ones, and their jitter: the change of the prediction
+ * error from frame to frame.  Motion that is faster than predicted stays so for some frames; noise does not. */
 static void estimate_jitter(edml_track *track, const edml_keypoint in[], float size)
 {
-    float sum = 0, count = 0;
+    float jitter = 0, steps = 0, count = 0;
     for (int j = 0; j < EDML_JOINTS; j++) {
         edml_tracked_joint *joint = &track->joint[j];
         if (!(in[j].c > 0 && is_known(track, j))) continue;
         const float seconds = 0.001F * (float)(joint->age + track->elapsed);
-        const edml_point expected = plus(joint->image.at, times(seconds, joint->image.rate));
-        const float x = (in[j].x - expected.x) / size, y = (in[j].y - expected.y) / size;
+        const edml_point seen = {in[j].x, in[j].y, 0}, step = minus(seen, joint->image.at);
+        const edml_point error = minus(step, times(seconds, joint->image.rate));
+        const float x = error.x / size, y = error.y / size;
         const float more_x = x - joint->innovation_x, more_y = y - joint->innovation_y;
         joint->innovation_x = x;
         joint->innovation_y = y;
-        sum += sqrtf((more_x * more_x + more_y * more_y) / 2); /* both errors have the noise */
+        jitter += sqrtf((more_x * more_x + more_y * more_y) / 2); /* both errors have the noise */
+        steps += HYPOT(step.x / size, step.y / size);
         count++;
     }
     if (!(count > 0)) return;
     const float seconds = 0.001F * (float)track->elapsed;
-    const float off = clamp_float(sum / count, 1); /* infinity would stay for ever */
-    track->jitter += seconds / (seconds + JITTER_SECONDS) * (off - track->jitter);
+    average(&track->jitter, jitter / count, seconds);
+    average(&track->image_step, steps / count, seconds);
 }
 
 /* Smooths the seen joints; returns their mean motion. */
 static edml_point smooth_seen(edml_track *track, edml_keypoint in[], float size)
 {
-    const edml_smoothing by = lighten(track->smooth_image, track);
+    const filter by = filter_by(track->smooth_image, track, track->image_step, size);
     edml_point moved = {0, 0, 0};
     float count = 0;
     for (int j = 0; j < EDML_JOINTS; j++) {
@@ -253,7 +284,7 @@ static edml_point smooth_seen(edml_track *track, edml_keypoint in[], float size)
         if (!(in[j].c > 0)) continue;
         if (is_known(track, j)) {
             const float seconds = 0.001F * (float)(joint->age + track->elapsed);
-            smooth(&joint->image, seen, seconds, by, size);
+            smooth(&joint->image, seen, seconds, &by);
             moved = plus(moved, minus(joint->image.at, before));
             count++;
         } else {
@@ -285,15 +316,17 @@ static uint16_t hold_missing(edml_track *track, edml_keypoint in[], edml_point m
     return held;
 }
 
-static void smooth_image(edml_track *track, edml_keypoint in[], float size)
+static void smooth_image(edml_track *track, edml_keypoint in[])
 {
     track->swapped = 0;
     if (track->elapsed > 0) {
+        const float size = body_size(in);
         if (unswap_sides(track, in, EDML_R_SHOULDER, &track->arms_log_odds, size))
             track->swapped |= EDML_SWAPPED_ARMS;
         if (unswap_sides(track, in, EDML_R_HIP, &track->legs_log_odds, size))
             track->swapped |= EDML_SWAPPED_LEGS;
     }
+    const float size = body_size(in); /* to the bit as without a swap */
     estimate_jitter(track, in, size);
     const edml_point moved = smooth_seen(track, in, size);
     track->held = hold_missing(track, in, moved);
@@ -321,18 +354,27 @@ static int choose_mirror(edml_track *track, edml_pose *out)
     return 1;
 }
 
+/* The mean distance of the joints from the filtered ones, metres. */
+static float mean_step(const edml_track *track, const edml_pose *out)
+{
+    float sum = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) sum += norm(minus(out->joint[j], track->joint[j].space.at));
+    return sum / EDML_JOINTS;
+}
+
 static void smooth_pose(edml_track *track, edml_pose *out)
 {
-    const edml_smoothing by = lighten(track->smooth_space, track);
     const int first = track->elapsed == 0;
     const float seconds = 0.001F * (float)track->elapsed;
     if (first) track->mirror_log_odds = MIRROR_AT_START;
     track->mirrored = (uint8_t)(first ? 0 : choose_mirror(track, out));
+    if (!first) average(&track->space_step, mean_step(track, out), seconds);
+    const filter by = filter_by(track->smooth_space, track, track->space_step, 1);
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (first)
             track->joint[j].space = at_rest(out->joint[j]);
         else
-            smooth(&track->joint[j].space, out->joint[j], seconds, by, 1);
+            smooth(&track->joint[j].space, out->joint[j], seconds, &by);
         out->joint[j] = track->joint[j].space.at;
     }
 }
@@ -346,27 +388,44 @@ void edml_track_start(edml_track *track)
     track->smooth_image.slope = IMAGE_SLOPE;
     track->smooth_space.cutoff = SPACE_CUTOFF;
     track->smooth_space.slope = SPACE_SLOPE;
-    track->jitter_full = JITTER_FULL;
+    track->noise_full = NOISE_FULL;
 }
 
-/* Moves on to a frame.  The first one, and one after a gap, have no past. */
-static void move_on(edml_track *track, uint32_t time_ms)
+/* Starts anew, with a frame that has no past. */
+static void forget(edml_track *track)
 {
-    track->elapsed = track->started ? time_ms - track->time : 0;
-    track->time = time_ms;
-    track->started = 1;
-    if (track->elapsed > 0 && track->elapsed <= GAP_MS) return;
     track->elapsed = 0;
     track->arms_log_odds = track->legs_log_odds = SIDES_AT_START;
-    track->jitter = track->jitter_full / 2; /* until it is known */
+    track->jitter = track->image_step = track->space_step = 0;
     for (int j = 0; j < EDML_JOINTS; j++) track->joint[j].age = HOLD_MS + 1;
+}
+
+/* Moves on to a frame.  The first one, and one after a gap, have no past.  Nor has another person, who may be
+ * there for a moment; then the past waits. */
+static void move_on(edml_track *track, const edml_keypoint in[], uint32_t time_ms)
+{
+    track->elapsed = track->started ? time_ms - track->time + track->aside : 0;
+    track->time = time_ms;
+    track->started = 1;
+    track->leapt = 0;
+    track->aside = 0;
+    if (track->elapsed > 0 && track->elapsed <= GAP_MS) {
+        const float most = LEAP + LEAP_PER_SECOND * 0.001F * (float)track->elapsed;
+        if (frame_distance(track, in, track->elapsed) <= most) return;
+        track->leapt = 1;
+        if (track->elapsed <= LEAP_MS) {
+            track->aside = (uint16_t)track->elapsed;
+            return;
+        }
+    }
+    forget(track);
 }
 
 float edml_track_distance(const edml_track *track, const edml_keypoint in[EDML_JOINTS], uint32_t time_ms)
 {
     if (track == NULL || in == NULL || !track->started) return HUGE_VALF;
-    const uint32_t ms = time_ms - track->time;
-    if (ms == 0 || ms > GAP_MS || !are_finite(in, seen_joints(in))) return HUGE_VALF;
+    const uint32_t later = time_ms - track->time, ms = later + track->aside;
+    if (later == 0 || later > GAP_MS || ms > GAP_MS || !are_finite(in, seen_joints(in))) return HUGE_VALF;
     return frame_distance(track, in, ms);
 }
 
@@ -384,25 +443,29 @@ edml_status edml_track_lift(edml_pose *out, edml_track *track, const edml_keypoi
 {
     if (out == NULL || track == NULL || in == NULL || model == NULL || work == NULL)
         return EDML_ERR_ARGUMENT;
-    if (!is_usable(track->smooth_image) || !is_usable(track->smooth_space) || !(track->jitter_full >= 0))
+    if (!is_usable(track->smooth_image) || !is_usable(track->smooth_space) ||
+        !(track->noise_full >= 0 && track->noise_full <= FLT_MAX))
         return EDML_ERR_ARGUMENT;
     const uint32_t later = time_ms - track->time; /* also across the end of the clock's range */
     if (track->started && (later == 0 || later > UINT32_MAX / 2)) return EDML_ERR_TIME;
     const uint16_t seen = seen_joints(in);
     if (!are_finite(in, seen)) return EDML_ERR_NOT_FINITE;
     if (count_seen(seen) < MIN_SEEN) return EDML_ERR_TOO_FEW_JOINTS;
-    const float size = body_size(in);
-    if (!(size > 0)) return EDML_ERR_DEGENERATE;
+    if (!(body_size(in) > 0)) return EDML_ERR_DEGENERATE;
 
     edml_track next = *track; /* takes effect only if the frame is lifted */
     edml_keypoint joints[EDML_JOINTS];
     memcpy(joints, in, sizeof joints);
-    move_on(&next, time_ms);
-    smooth_image(&next, joints, size);
+    move_on(&next, in, time_ms);
+    if (next.aside == 0) smooth_image(&next, joints);
     const edml_status status = edml_lift(out, joints, up, model, work, work_bytes);
     if (status != EDML_OK) return status;
-    out->seen = (uint16_t)(out->seen & ~next.held);
-    smooth_pose(&next, out);
+    if (next.aside > 0) {
+        next.elapsed = next.held = next.swapped = next.mirrored = 0;
+    } else {
+        out->seen = (uint16_t)(out->seen & ~next.held);
+        smooth_pose(&next, out);
+    }
     *track = next;
     return EDML_OK;
 }

@@ -34,7 +34,7 @@ class Track:
 
     model, format, threshold, image and mirrored are as in `lift`.  smooth_image and smooth_space
     are (cutoff in Hz, slope) of the one-euro filters of keypoints and poses, by default as
-    measured; jitter_full is the jitter of keypoints, in body sizes, at and above which these
+    measured; noise_full is the share of noise in the keypoints at and above which these
     filters act in full (0: always).  docs/video.md has what they give.
     """
 
@@ -48,7 +48,7 @@ class Track:
         mirrored: bool = False,
         smooth_image: tuple[float, float] | None = None,
         smooth_space: tuple[float, float] | None = None,
-        jitter_full: float | None = None,
+        noise_full: float | None = None,
     ):
         self._frames = TrackedFrames(find_model(model))
         self._given = (format, threshold, image, mirrored)
@@ -57,8 +57,8 @@ class Track:
             state["smooth_image"] = smooth_image
         if smooth_space is not None:
             state["smooth_space"] = smooth_space
-        if jitter_full is not None:
-            state["jitter_full"] = jitter_full
+        if noise_full is not None:
+            state["noise_full"] = noise_full
 
     def lift(
         self, keypoints: ArrayLike, time_ms: ArrayLike, up: ArrayLike | None = None

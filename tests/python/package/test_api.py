@@ -536,7 +536,7 @@ def test_what_a_track_reports():
 
 
 def test_settings_and_formats_of_a_track():
-    loose = edmlift.Track(jitter_full=0)
+    loose = edmlift.Track(noise_full=0)
     assert np.abs(loose.lift(WALK, np.arange(39) * 33).joints - edmlift.lift(WALK).joints).max() > 0
     track = edmlift.Track(format="coco17", threshold=0.1)
     assert track.lift(coco17()[0], 0).status == "ok"
