@@ -32,10 +32,12 @@ typedef struct {
     int sweep;                 /* look for the focal length */
     int track;                 /* the lines are a video ... */
     float fps;                 /* ... of so many frames a second; 0: the lines have their times */
-    edml_body body;            /* height 0: not given */
-    int quality;               /* print it */
-    int angles;                /* print them */
-    int mirrored;              /* the image is a mirror image */
+    edml_smoothing smooth_image, smooth_space; /* cutoff 0: not given */
+    float noise_full;                          /* negative: not given */
+    edml_body body;                            /* height 0: not given */
+    int quality;                               /* print it */
+    int angles;                                /* print them */
+    int mirrored;                              /* the image is a mirror image */
     int header, json, fixed;
 } options;
 
@@ -101,7 +103,8 @@ typedef struct {
 } person_track;
 
 /* The track of someone; NULL: there are too many people. */
-person_track *find_track(const person *who, const edml_keypoint joints[EDML_JOINTS], double ms);
+person_track *find_track(const person *who, const edml_keypoint joints[EDML_JOINTS], double ms,
+                         const options *set);
 
 /* After a frame of this track: one that is refused does not begin it. */
 void feed_track(person_track *track, double ms, int lifted);

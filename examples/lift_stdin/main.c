@@ -156,7 +156,7 @@ const char *lift_person(answer *out, person *who, const options *set)
     adapt(joints, who->in, set);
     out->person = -1;
     const double ms = set->track ? time_of(who, set) : 0;
-    person_track *by = set->track ? find_track(who, joints, ms) : NULL;
+    person_track *by = set->track ? find_track(who, joints, ms, set) : NULL;
     if (set->track && by == NULL) {
         out->status = "too_many_people";
     } else {

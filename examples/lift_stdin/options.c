@@ -17,6 +17,7 @@ static const edml_model *const models[] = {
 };
 enum { MODELS = (int)(sizeof models / sizeof models[0]), FIRST_QUANTISED = 1 };
 
+/* In two, because C99 promises no longer strings. */
 static const char usage[] =
     "Usage: lift_stdin [OPTION]... < poses.csv > lifted.csv\n"
     "Lifts 2D poses to 3D, a line of input to a line of output, in order.\n"
@@ -69,6 +70,12 @@ static const char usage_of_options[] = /* apart, because compilers need not take
     "                  of people each has a track, by its \"idx\", \"track_id\", \"person_id\" or \"id\", "
     "else\n"
     "                  the nearest: \"person\" is its number.  A 17th has the status too_many_people\n"
+    "  --smooth-image CUTOFF,SLOPE, --smooth-space CUTOFF,SLOPE\n"
+    "                  --track's one-euro filters of keypoints and of poses: a cutoff in Hz, lower is\n"
+    "                  steadier, and how it rises with speed, in Hz per body size a second and per m/s\n"
+    "                  (default: 2,4 and 2,2.5); a cutoff of 100000 filters nothing\n"
+    "  --noise-full R  --track's filters act in full where the keypoints' noise is R of how they move,\n"
+    "                  and less where it is smaller (default: 1); 0: always in full, as in the paper\n"
     "  --model NAME    network (default: distances_f32; with --fixed distances_w16), such as\n"
     "                  direct_w16; --list-models has all\n"
     "  --fixed         lift in fixed point, as on a core without an FPU; coordinates must be within\n"
@@ -213,6 +220,38 @@ static void set_track(options *set, const char *text)
     exit(EXIT_TROUBLE);
 }
 
+static edml_smoothing read_smoothing(const char *name, const char *text)
+{
+    float n[2];
+    const int read = read_list(n, 2, text);
+    if (!read || !(n[0] > 0 && n[1] >= 0)) {
+        fprintf(stderr,
+                "lift_stdin: %s must be CUTOFF,SLOPE, a cutoff over 0 and a slope of 0 or more, "
+                "both under 1e6, not '%s'\n",
+                name, text);
+        exit(EXIT_TROUBLE);
+    }
+    const edml_smoothing by = {n[0], n[1]};
+    return by;
+}
+
+static void set_smooth_image(options *set, const char *text)
+{
+    set->smooth_image = read_smoothing("--smooth-image", text);
+}
+
+static void set_smooth_space(options *set, const char *text)
+{
+    set->smooth_space = read_smoothing("--smooth-space", text);
+}
+
+static void set_noise_full(options *set, const char *text)
+{
+    if (read_list(&set->noise_full, 1, text) && set->noise_full >= 0) return;
+    fprintf(stderr, "lift_stdin: --noise-full must be a number of 0 or more, under 1e6, not '%s'\n", text);
+    exit(EXIT_TROUBLE);
+}
+
 static void set_height(options *set, const char *text)
 {
     edml_pose zero = {{{0, 0, 0}}, 0, 0}; /* edml_fit_body() fails later with it than with a bad height */
@@ -229,9 +268,18 @@ static int set_value(options *set, char **argv, int *i)
         const char *name;
         void (*set)(options *set, const char *value);
     } settings[] = {
-        {"--model", set_model}, {"--format", set_format}, {"--threshold", set_threshold},
-        {"--image", set_image}, {"--camera", set_camera}, {"--focal", set_focal},
-        {"--track", set_track}, {"--height", set_height}, {"--up", set_up},
+        {"--model", set_model},
+        {"--format", set_format},
+        {"--threshold", set_threshold},
+        {"--image", set_image},
+        {"--camera", set_camera},
+        {"--focal", set_focal},
+        {"--track", set_track},
+        {"--height", set_height},
+        {"--up", set_up},
+        {"--smooth-image", set_smooth_image},
+        {"--smooth-space", set_smooth_space},
+        {"--noise-full", set_noise_full},
     };
     for (unsigned n = 0; n < sizeof settings / sizeof *settings; n++) {
         const char *value = option_value(settings[n].name, argv, i);
@@ -290,7 +338,7 @@ static void finish_camera(options *set)
 
 options read_options(char **argv)
 {
-    options set = {.model = NULL, .threshold = -1};
+    options set = {.model = NULL, .threshold = -1, .noise_full = -1};
     for (int i = 1; argv[i] != NULL; i++) {
         if (set_value(&set, argv, &i)) continue;
         print_and_exit(argv[i]);
@@ -314,6 +362,8 @@ options read_options(char **argv)
     if (set.mirrored && places(&set) && set.width == 0)
         refuse("--mirrored with --camera needs the size of the image: --image WIDTH,HEIGHT");
     if (set.fixed && set.track) refuse("--track works in float only: give --track or --fixed, not both");
+    if (!set.track && (set.smooth_image.cutoff > 0 || set.smooth_space.cutoff > 0 || set.noise_full >= 0))
+        refuse("--smooth-image, --smooth-space and --noise-full are for --track");
     if (set.quality && set.track)
         refuse("--quality is for single lifts: give --quality or --track, not both");
     if (set.track && set.fps == 0 && !set.json)

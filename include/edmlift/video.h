@@ -64,7 +64,7 @@ void edml_track_start(edml_track *track);
  *   pose     smoothed; `seen` and `misfit` are this frame's
  *   time_ms  of the frame, by any clock of milliseconds; it may wrap around
  * It undoes the detector's swaps of right and left arms (with shoulders) and legs (with hips); a swap that
- * lasts for about 0.4 s is believed.  A mirror image that persists is believed as well.  Missing joints stay
+ * lasts for over half a second is believed.  A mirror image that persists is believed as well.  Missing joints stay
  * where they were, moved along with the others, for 300 ms.  Frames may be dropped; after a second without a
  * lifted one, the next starts anew.  A frame that is over one body size away from where this person is expected
  * (and two more a second, see edml_track_distance()) shows somebody else.  It is lifted by itself, and the

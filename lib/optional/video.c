@@ -36,7 +36,7 @@ enum { MIN_SEEN = EDML_JOINTS / 2 };
 #define MAX_LOG_ODDS 6.0F      /* no belief is stronger */
 #define SIDES_AT_START 2.0F    /* that the detector's sides are right at the start ... */
 #define MIRROR_AT_START 2.0F   /* the same for the first mirror image */
-#define SIDES_PER_SECOND 16.0F /* ... and the evidence for it that each second of detections adds */
+#define SIDES_PER_SECOND 11.7F /* ... and the evidence for it that each second of detections adds */
 #define SIDES_CONTINUE 0.3F    /* seconds, per squared body size */
 #define MIRROR_CONTINUES 0.15F /* seconds per square metre */
 #define MIRROR_PER_FRAME 5.0F  /* evidence for the mirror image that a single frame gives */

@@ -19,6 +19,7 @@ from support import need_library
 import edmlift as package
 from edmlift import library as edmlift
 from edmlift.joints import MIRROR
+from edmlift.tracking import track
 
 ROOT = Path(__file__).resolve().parents[2]
 HEADER = (ROOT / "include" / "edmlift.h").read_text()
@@ -1105,6 +1106,44 @@ def test_a_time_twice_is_a_bad_line():
 def test_times_are_for_json():
     result = run(GOOD, "--track", "t")
     assert result.returncode == 2 and b"--json" in result.stderr and result.stdout == b""
+
+
+SETTINGS = {"smooth_image": (1, 0.5), "smooth_space": (0.5, 0.25), "noise_full": 0.5}
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_the_tracks_settings(name: str):
+    setting = SETTINGS[name]
+    value = str(setting) if isinstance(setting, float) else ",".join(map(str, setting))
+    noisy = WALK.copy()
+    noisy[..., :2] += np.round(np.random.default_rng(5).normal(0, 5, noisy[..., :2].shape), 2)
+    data = "\n".join(map(text, noisy))
+    table = rows(run(data, "--track", "30", f"--{name.replace('_', '-')}", value))
+    joints = np.array([numbers(row)[:42] for row in table]).reshape(-1, 14, 3)
+    plain, other = (
+        track(noisy, time_ms=np.arange(len(WALK)) * 1000 // 30, **options).joints
+        for options in ({}, {name: setting})
+    )
+    np.testing.assert_allclose(joints, other, rtol=1e-5, atol=1e-5)
+    assert np.abs(other - plain).max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    "option, value",
+    [
+        ("--smooth-image", "0,1"), ("--smooth-image", "1"), ("--smooth-space", "1,-1"),
+        ("--smooth-space", "1,nan"), ("--smooth-space", "inf,1"), ("--noise-full", "-1"),
+        ("--noise-full", "x"),
+    ],
+)  # fmt: skip
+def test_bad_settings_of_the_track(option: str, value: str):
+    result = run(GOOD, "--track", "30", option, value)
+    assert result.returncode == 2 and option in result.stderr.decode() and result.stdout == b""
+
+
+def test_the_tracks_settings_are_for_the_track():
+    result = run(GOOD, "--noise-full", "1")
+    assert result.returncode == 2 and b"--track" in result.stderr
 
 
 def test_track_is_not_in_fixed_point():

@@ -11,6 +11,7 @@ from edmlift.lifting import Poses, first, pointers, run_warnings, to_poses
 from edmlift.mistakes import wrong_unit_of_time
 from edmlift.networks import Model, find_model
 
+_MAX_FLOAT = float(np.finfo(np.float32).max)
 _ARMS, _LEGS = 1, 2  # EDML_SWAPPED_ARMS, EDML_SWAPPED_LEGS
 
 
@@ -33,9 +34,11 @@ class Track:
             pose = track.lift(keypoints, time_ms)
 
     model, format, threshold, image and mirrored are as in `lift`.  smooth_image and smooth_space
-    are (cutoff in Hz, slope) of the one-euro filters of keypoints and poses, by default as
-    measured; noise_full is the share of noise in the keypoints at and above which these
-    filters act in full (0: always).  docs/video.md has what they give.
+    are (cutoff in Hz, slope) of the one-euro filters of keypoints (Hz per body size a second) and
+    of poses (Hz per m/s), by default as measured; an infinite cutoff filters nothing.  noise_full
+    is the share of noise at and above which the filters act in full; 0: always, and as the paper
+    has them.  docs/video.md has what they give.  ValueError: a cutoff that is not over 0, a slope
+    that is negative or not finite, or noise_full out of 0 to 64.
     """
 
     def __init__(
@@ -52,13 +55,7 @@ class Track:
     ):
         self._frames = TrackedFrames(find_model(model))
         self._given = (format, threshold, image, mirrored)
-        state = self._frames.state
-        if smooth_image is not None:
-            state["smooth_image"] = smooth_image
-        if smooth_space is not None:
-            state["smooth_space"] = smooth_space
-        if noise_full is not None:
-            state["noise_full"] = noise_full
+        _set(self._frames, smooth_image, smooth_space, noise_full)
 
     def lift(
         self, keypoints: ArrayLike, time_ms: ArrayLike, up: ArrayLike | None = None
@@ -68,8 +65,8 @@ class Track:
         time_ms  milliseconds by any clock, ascending
         up       as in `lift`
 
-        Statuses besides those of `edmlift.lift`: "time" (not later than the frame before, or by
-        more than 24 days) and "argument" (settings out of range); the track is then as before.
+        Status besides those of `edmlift.lift`: "time" (not later than the frame before, or by
+        more than 24 days); the track is then as before.
         """
         joints, single = read_joints(keypoints, *self._given)
         times = np.atleast_1d(np.asarray(time_ms))
@@ -100,9 +97,13 @@ def track(
     threshold: float | None = None,
     image: tuple[float, float] | None = None,
     mirrored: bool = False,
+    smooth_image: tuple[float, float] | None = None,
+    smooth_space: tuple[float, float] | None = None,
+    noise_full: float | None = None,
 ) -> Tracked:
     """Lifts a whole video of one person: keypoints [F,K,2 or 3], as in `lift`, at so many frames a
-    second or at times [F] in milliseconds.  `Track` takes the frames as they come, and settings."""
+    second or at times [F] in milliseconds.  `Track` takes the frames as they come; the settings
+    are its own."""
     if (fps is None) == (time_ms is None):
         raise ValueError("track() takes either fps= or time_ms=")
     if fps is not None:
@@ -112,7 +113,9 @@ def track(
         raise ValueError("track() takes frames [F,K,2] or [F,K,3], not one; Track takes one")
     times = np.asarray(time_ms) if fps is None else frame_times(fps, len(joints))
     directions = read_up(up, len(joints))
-    tracked = TrackedFrames(find_model(model)).lift(joints, times, directions)
+    frames = TrackedFrames(find_model(model))
+    _set(frames, smooth_image, smooth_space, noise_full)
+    tracked = frames.lift(joints, times, directions)
     seen, _ = read_keypoints(keypoints, format, threshold, image)
     warnings = run_warnings(tracked, seen, format)
     return replace(tracked, warnings=warnings + wrong_unit_of_time(times))
@@ -123,6 +126,29 @@ def frame_times(fps: float, count: int) -> NDArray[np.float64]:
     if not (np.isfinite(fps) and 0 < fps <= 1000):
         raise ValueError(f"fps must be over 0 and at most 1000, not {fps}")
     return np.arange(count) * 1000 / fps
+
+
+def _set(
+    frames: "TrackedFrames",
+    smooth_image: tuple[float, float] | None,
+    smooth_space: tuple[float, float] | None,
+    noise_full: float | None,
+) -> None:
+    """Settings that are given, checked as edml_track_lift() does."""
+    for name, pair in (("smooth_image", smooth_image), ("smooth_space", smooth_space)):
+        if pair is None:
+            continue
+        cutoff, slope = pair
+        if not (cutoff > 0 and 0 <= slope <= _MAX_FLOAT):
+            raise ValueError(
+                f"{name} must be a cutoff over 0 and a finite slope of 0 or more, not {pair}"
+            )
+        frames.state[name] = (cutoff, slope)
+    if noise_full is None:
+        return
+    if not 0 <= noise_full <= 64:
+        raise ValueError(f"noise_full must be 0 to 64, not {noise_full}")
+    frames.state["noise_full"] = noise_full
 
 
 # ---- For the library, unchecked ----------------------------------------------------------------
