@@ -6,13 +6,14 @@
 #define EDMLIFT_VIDEO_H
 
 #include "../edmlift.h"
+#include "fixed.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 /* A one-euro filter (Casiez, Roussel, Vogel, "1 euro filter", CHI 2012), which trades lag for steadiness: a
- * joint is low-passed at `cutoff` + `slope` * its speed.  HUGE_VALF as cutoff: no filter. */
+ * joint is low-passed at `cutoff` + `slope` * its speed.  A cutoff of 2048 Hz or more: no filter. */
 typedef struct {
     float cutoff; /* Hz, > 0; lower is steadier */
     float slope;  /* Hz per unit of speed, >= 0 and finite; higher lags less in motion */
@@ -37,7 +38,7 @@ typedef struct {
                                     |x| + |y| of the seen joints from their mean */
     edml_smoothing smooth_space; /* of poses; speed in m/s */
     float noise_full; /* the filters act in full where `jitter` is this many times `image_step`, and less
-                         where it is smaller.  Exact keypoints: about 1/3; noise alone: 1.4.  >= 0 and finite;
+                         where it is smaller.  Exact keypoints: about 1/3; noise alone: 1.4.  0 to 64;
                          0: always in full */
     /* Report on the last frame that was lifted. */
     float jitter; /* estimated keypoint jitter, body sizes: mean change of the prediction error from frame
@@ -82,7 +83,7 @@ edml_status edml_track_lift(edml_pose *pose, edml_track *track, const edml_keypo
 /* How far a frame's keypoints are from where the track expects them at that time, in body sizes (the smaller of
  * the track's and the frame's): the median over the joints that the frame shows and the track saw lately.
  * Right and left count as the detector may have swapped them.  One person's next frame is within 0.3 or so;
- * beyond 1 it is another person.  HUGE_VALF if the track cannot say: it was not started, has no frame, or
+ * beyond 1 it is another person; 64 at most.  HUGE_VALF if the track cannot say: it was not started, has no frame, or
  * none within a second before this time; or keypoints are not finite.
  * To give each of several people their track, take the pair that is nearest, and then the next. */
 float edml_track_distance(const edml_track *track, const edml_keypoint in[EDML_JOINTS], uint32_t time_ms);
@@ -91,6 +92,45 @@ float edml_track_distance(const edml_track *track, const edml_keypoint in[EDML_J
  * edml_place() needs these with its pose.
  *   in  that frame's */
 void edml_track_swap_sides(edml_keypoint in[EDML_JOINTS], const edml_track *track);
+
+/* ---- In integers (fixed.h) ---- */
+
+typedef struct {
+    int32_t cutoff, slope; /* Q16; slope <= 32 */
+} edml_smoothing_q;
+
+typedef struct {
+    edml_point_q24 at,
+        rate; /* in the image pixels, Q16, z 0; in space metres, Q24.  rate: per second, up to
+                                +-2^30: 16384 pixels, 64 m */
+} edml_moving_q;
+
+typedef struct {
+    edml_moving_q image, space;
+    int32_t innovation_x, innovation_y; /* Q24 */
+    uint16_t age;
+} edml_tracked_joint_q;
+
+typedef struct {
+    edml_smoothing_q smooth_image, smooth_space;
+    int32_t noise_full;                     /* Q16 */
+    int32_t jitter, image_step, space_step; /* Q24 */
+    uint32_t elapsed;
+    uint16_t held;
+    uint8_t swapped, mirrored, leapt, started;
+    uint16_t aside;
+    uint32_t time;
+    int32_t arms_log_odds, legs_log_odds, mirror_log_odds; /* Q24 */
+    edml_tracked_joint_q joint[EDML_JOINTS];
+} edml_track_q;
+
+void edml_track_start_q(edml_track_q *track);
+edml_status edml_track_lift_q(edml_pose_q *pose, edml_track_q *track, const edml_keypoint_q in[EDML_JOINTS],
+                              uint32_t time_ms, const edml_point_q *up, const edml_model *model, void *work,
+                              size_t work_bytes);
+int32_t edml_track_distance_q(const edml_track_q *track, const edml_keypoint_q in[EDML_JOINTS],
+                              uint32_t time_ms); /* Q16; INT32_MAX if the track cannot say */
+void edml_track_swap_sides_q(edml_keypoint_q in[EDML_JOINTS], const edml_track_q *track);
 
 #ifdef __cplusplus
 }

