@@ -89,15 +89,59 @@ static void adapt_fixed(edml_keypoint_q joints[EDML_JOINTS], const edml_keypoint
     for (int j = 0; j < EDML_JOINTS; j++) joints[j] = seen[set->mirrored ? edml_mirror_joint[j] : j];
 }
 
-edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set)
+static edml_smoothing_q smoothing_of(edml_smoothing by)
+{
+    const edml_smoothing_q fixed = {to_fixed(by.cutoff), to_fixed(by.slope)};
+    return fixed;
+}
+
+void start_fixed_track(edml_track_q *track, const options *set)
+{
+    edml_track_start_q(track);
+    if (set->smooth_image.cutoff > 0) track->smooth_image = smoothing_of(set->smooth_image);
+    if (set->smooth_space.cutoff > 0) track->smooth_space = smoothing_of(set->smooth_space);
+    if (set->noise_full >= 0) track->noise_full = to_fixed(set->noise_full);
+}
+
+float distance_fixed(const edml_track_q *track, const edml_keypoint joints[EDML_JOINTS], double ms)
+{
+    edml_keypoint_q seen[EDML_JOINTS];
+    for (int j = 0; j < EDML_JOINTS; j++) seen[j] = to_q16(joints[j]);
+    const int32_t distance = edml_track_distance_q(track, seen, clock_of(ms));
+    return distance < INT32_MAX ? to_float(distance) : HUGE_VALF;
+}
+
+static edml_status lift_frame(edml_pose_q *pose, edml_keypoint_q in[EDML_JOINTS], double ms,
+                              edml_track_q *track, const options *set, void *work, size_t work_bytes)
+{
+    const edml_point_q up = {to_fixed(set->up.x), to_fixed(set->up.y), to_fixed(set->up.z)};
+    const edml_status status = edml_track_lift_q(pose, track, in, clock_of(ms), knows_up(set) ? &up : NULL,
+                                                 set->model, work, work_bytes);
+    if (status == EDML_OK) edml_track_swap_sides_q(in, track);
+    return status;
+}
+
+static void put_sides_right(edml_keypoint joints[EDML_JOINTS], const edml_track_q *track)
+{
+    edml_track swaps;
+    swaps.swapped = track->swapped;
+    edml_track_swap_sides(joints, &swaps);
+}
+
+edml_status lift_fixed(answer *out, edml_keypoint joints[EDML_JOINTS], const edml_keypoint in[], double ms,
+                       person_track *by, const options *set)
 {
     edml_keypoint_q keypoints[KEYPOINTS_MAX], seen[EDML_JOINTS];
     edml_pose_q lifted;
     static edml_fconv_work_q work;
     for (int n = 0; n < keypoints_of(set); n++) keypoints[n] = to_q16(in[n]);
     adapt_fixed(seen, keypoints, set);
-    edml_status status = lift_still(&lifted, seen, set, &work, sizeof work);
+    edml_status status = by != NULL ? lift_frame(&lifted, seen, ms, &by->fixed, set, &work, sizeof work)
+                                    : lift_still(&lifted, seen, set, &work, sizeof work);
+    if (by != NULL) feed_track(by, ms, status == EDML_OK);
+    out->person = by != NULL ? by->number : -1;
     if (status != EDML_OK) return status;
+    if (by != NULL) put_sides_right(joints, &by->fixed);
     int32_t quality = 0; /* also of a pose that has none */
     (void)edml_quality_q(&quality, &lifted);
     out->quality = to_float(quality);

@@ -96,9 +96,10 @@ int lift_json(FILE *file, const options *set);
 /* One person of a video. */
 typedef struct {
     edml_track track;
-    uint64_t id;    /* of the input; 0: none */
-    long number;    /* from 0, in the order of their first frames; below 0: it has none */
-    double last_ms; /* of its last frame */
+    edml_track_q fixed; /* with --fixed */
+    uint64_t id;        /* of the input; 0: none */
+    long number;        /* from 0, in the order of their first frames; below 0: it has none */
+    double last_ms;     /* of its last frame */
     int in_use, alone;
 } person_track;
 
@@ -119,8 +120,17 @@ void write_angle_names(void);
 void write_angle_fields(const answer *out, const options *set);
 void write_angle_member(const answer *out, const options *set);
 
-/* Lifts, sizes and places in integers; a coordinate that they cannot hold is not finite. */
-edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set);
+/* Lifts, sizes and places in integers; a coordinate that they cannot hold is not finite.  With a track, a frame
+ * of it, milliseconds by any clock; the joints' sides are then put right. */
+edml_status lift_fixed(answer *out, edml_keypoint joints[EDML_JOINTS], const edml_keypoint in[], double ms,
+                       person_track *by, const options *set);
+void start_fixed_track(edml_track_q *track, const options *set);
+
+/* edml_track_distance_q(), in body sizes. */
+float distance_fixed(const edml_track_q *track, const edml_keypoint joints[EDML_JOINTS], double ms);
+
+/* In milliseconds of a clock that wraps around. */
+uint32_t clock_of(double ms);
 
 /* Puts a placement, or the reason for none, into the answer. */
 void take_placement(answer *out, edml_status status, const edml_placement *placement, float focal);

@@ -59,9 +59,8 @@ static edml_status lift_frame(edml_pose *pose, const edml_keypoint in[EDML_JOINT
                               edml_track *track, const options *set)
 {
     if (!set->track) return lift_still(pose, in, set);
-    const uint32_t time = (uint32_t)fmod(floor(ms), 4294967296.0);
-    return edml_track_lift(pose, track, in, time, knows_up(set) ? &set->up : NULL, set->model, &work,
-                           sizeof work);
+    return edml_track_lift(pose, track, in, clock_of(ms), knows_up(set) ? &set->up : NULL, set->model,
+                           &work, sizeof work);
 }
 
 static int is_outside(edml_keypoint at, float width, float height)
@@ -160,7 +159,7 @@ const char *lift_person(answer *out, person *who, const options *set)
     if (set->track && by == NULL) {
         out->status = "too_many_people";
     } else {
-        const edml_status status = set->fixed ? lift_fixed(out, who->in, set)
+        const edml_status status = set->fixed ? lift_fixed(out, joints, who->in, ms, by, set)
                                               : lift(out, joints, ms, by, set);
         out->status = edml_status_name(status);
         if (status == EDML_OK) note_pose(who, joints, out->quality, set);

@@ -15,6 +15,7 @@ static const edml_model *const models[] = {
     &edml_direct_w16,    &edml_direct_w8,     &edml_fconn_f32,    &edml_fconn_w16,
     &edml_fconn_w8,      &edml_fconv_f32,     &edml_fconv_w8,
 };
+enum { MAX_SLOPE_FIXED = 32 }; /* edml_smoothing_q */
 enum { MODELS = (int)(sizeof models / sizeof models[0]), FIRST_QUANTISED = 1 };
 
 /* In two, because C99 promises no longer strings. */
@@ -247,8 +248,8 @@ static void set_smooth_space(options *set, const char *text)
 
 static void set_noise_full(options *set, const char *text)
 {
-    if (read_list(&set->noise_full, 1, text) && set->noise_full >= 0) return;
-    fprintf(stderr, "lift_stdin: --noise-full must be a number of 0 or more, under 1e6, not '%s'\n", text);
+    if (read_list(&set->noise_full, 1, text) && set->noise_full >= 0 && set->noise_full <= 64) return;
+    fprintf(stderr, "lift_stdin: --noise-full must be a number from 0 to 64, not '%s'\n", text);
     exit(EXIT_TROUBLE);
 }
 
@@ -361,9 +362,12 @@ options read_options(char **argv)
     finish_camera(&set);
     if (set.mirrored && places(&set) && set.width == 0)
         refuse("--mirrored with --camera needs the size of the image: --image WIDTH,HEIGHT");
-    if (set.fixed && set.track) refuse("--track works in float only: give --track or --fixed, not both");
     if (!set.track && (set.smooth_image.cutoff > 0 || set.smooth_space.cutoff > 0 || set.noise_full >= 0))
         refuse("--smooth-image, --smooth-space and --noise-full are for --track");
+    if (set.fixed && set.smooth_image.slope > MAX_SLOPE_FIXED)
+        refuse("--smooth-image: with --fixed a slope is 32 at most");
+    if (set.fixed && set.smooth_space.slope > MAX_SLOPE_FIXED)
+        refuse("--smooth-space: with --fixed a slope is 32 at most");
     if (set.quality && set.track)
         refuse("--quality is for single lifts: give --quality or --track, not both");
     if (set.track && set.fps == 0 && !set.json)

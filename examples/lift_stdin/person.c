@@ -47,9 +47,8 @@ static const char *first_named(const char *object, const char *const names[])
 /* A member that the answer would repeat; or NULL. */
 static const char *name_of_answer(const char *object, int listed, const options *set)
 {
-    static const char *const names[] = {"status", "joints",    "misfit", "quality",
-                                        "person", "placement", "root",   "reprojection",
-                                        "focal",  "angles",    NULL};
+    static const char *const names[] = {"status", "joints",       "misfit", "quality", "person", "placement",
+                                        "root",   "reprojection", "focal",  "angles",  NULL};
     enum { ALWAYS = 3, QUALITY = 3, PERSON = 4, ANGLES = 9 };
     for (const char *p = json_first(object); p != NULL; p = json_after(json_member(p))) {
         const int n = name_among(p, names);

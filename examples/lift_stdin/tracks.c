@@ -13,8 +13,12 @@ enum { TRACKS = 16 };
 static person_track tracks[TRACKS];
 static long numbers; /* given so far */
 
-static void start_track(edml_track *track, const options *set)
+uint32_t clock_of(double ms) { return (uint32_t)fmod(floor(ms), 4294967296.0); }
+
+static void start_track(person_track *by, const options *set)
 {
+    edml_track *track = &by->track;
+    start_fixed_track(&by->fixed, set);
     edml_track_start(track);
     if (set->smooth_image.cutoff > 0) track->smooth_image = set->smooth_image;
     if (set->smooth_space.cutoff > 0) track->smooth_space = set->smooth_space;
@@ -25,7 +29,7 @@ static void start_track(edml_track *track, const options *set)
 static person_track *track_of_one(const options *set)
 {
     static person_track one;
-    if (!one.alone) start_track(&one.track, set);
+    if (!one.alone) start_track(&one, set);
     one.alone = 1;
     one.number = -1;
     return &one;
@@ -42,7 +46,7 @@ static person_track *new_track(uint64_t id, double ms, const options *set)
     for (int n = 0; n < TRACKS; n++) {
         if (tracks[n].in_use) continue;
         tracks[n].in_use = 1;
-        start_track(&tracks[n].track, set);
+        start_track(&tracks[n], set);
         tracks[n].id = id;
         tracks[n].number = -1;
         tracks[n].last_ms = ms;
@@ -52,15 +56,15 @@ static person_track *new_track(uint64_t id, double ms, const options *set)
 }
 
 /* By its id or, of those without one, the nearest that had no frame at this time. */
-static person_track *old_track(const person *who, const edml_keypoint joints[], double ms)
+static person_track *old_track(const person *who, const edml_keypoint joints[], double ms, int fixed)
 {
-    const uint32_t time = (uint32_t)fmod(floor(ms), 4294967296.0);
     person_track *nearest = NULL;
     float least = REACH;
     for (int n = 0; n < TRACKS; n++) {
         if (!tracks[n].in_use || tracks[n].id != who->id) continue;
         if (who->id != 0) return &tracks[n];
-        const float distance = edml_track_distance(&tracks[n].track, joints, time);
+        const float distance = fixed ? distance_fixed(&tracks[n].fixed, joints, ms)
+                                     : edml_track_distance(&tracks[n].track, joints, clock_of(ms));
         if (!(distance <= least)) continue;
         least = distance;
         nearest = &tracks[n];
@@ -73,7 +77,7 @@ person_track *find_track(const person *who, const edml_keypoint joints[EDML_JOIN
 {
     if (!who->listed && who->id == 0) return track_of_one(set);
     end_tracks(ms);
-    person_track *found = old_track(who, joints, ms);
+    person_track *found = old_track(who, joints, ms, set->fixed);
     return found != NULL ? found : new_track(who->id, ms, set);
 }
 

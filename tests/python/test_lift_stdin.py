@@ -1146,9 +1146,33 @@ def test_the_tracks_settings_are_for_the_track():
     assert result.returncode == 2 and b"--track" in result.stderr
 
 
-def test_track_is_not_in_fixed_point():
-    result = run(GOOD, "--track", "30", "--fixed")
-    assert result.returncode == 2 and b"--fixed" in result.stderr
+def test_a_track_in_fixed_point():
+    """The same as in float, within a centimetre, with swapped sides and another person."""
+    keypoints = WALK.copy()
+    keypoints[20:22] = keypoints[20:22, MIRROR]
+    keypoints[30] = keypoints[5] + [400, 0, 0]
+    data = "\n".join(map(text, keypoints))
+    options = ("--track", "30", "--camera", "1145,1145,500,500", "--smooth-space", "1,1")
+    plain, fixed = (place(data, *options, *more) for more in ((), ("--fixed",)))
+    joints, joints_fixed = (
+        np.array([row[1:43] for row in table], float) for table in (plain, fixed)
+    )
+    np.testing.assert_allclose(joints_fixed, joints, atol=0.01)
+    alone, tracked = (rows(run(data, "--fixed", *more)) for more in ((), ("--track", "30")))
+    off = [
+        np.abs(np.subtract(numbers(a)[:42], numbers(b)[:42])).max()
+        for a, b in zip(alone, tracked, strict=True)
+    ]
+    assert off[20] > 0.1 and off[30] == 0
+    times = "\n".join(as_json(pose, t=n / 30) for n, pose in enumerate(keypoints))
+    answers = objects(run(times, "--json", "--track", "t", "--fixed"))
+    assert [answer["status"] for answer in answers] == ["ok"] * len(keypoints)
+
+
+@pytest.mark.parametrize("setting", [("--smooth-image", "1,33"), ("--noise-full", "65")])
+def test_settings_out_of_the_range_of_integers(setting: tuple[str, str]):
+    result = run(GOOD, "--track", "30", "--fixed", *setting)
+    assert result.returncode == 2 and setting[0] in result.stderr.decode()
 
 
 # ---- The person ------------------------------------------------------------------------------
