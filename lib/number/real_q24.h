@@ -63,7 +63,8 @@ static inline real saturate_q40(wide sum)
 
 static inline real per_second_q24(real a, uint32_t ms)
 {
-    const int64_t rate = (int64_t)a * 1000 / (int64_t)ms, most = (INT64_C(1) << 30) - 1;
+    const uint32_t factor = (UINT32_C(1000) << 20) / ms; /* < 2^30 */
+    const int64_t rate = edml__product(a, (int32_t)factor) >> 20, most = (INT64_C(1) << 30) - 1;
     return (real)(rate > most ? most : rate < -most ? -most : rate);
 }
 

@@ -93,6 +93,11 @@ typedef struct {
     real unit;   /* of speed */
     real motion; /* the least gain: this part of what is new is motion */
     real noise;  /* how far noise puts joints off in a frame, units */
+    /* By the time since a joint was last seen, see take_time(): */
+    uint32_t ms;
+    real turn;        /* 2 pi times it in seconds */
+    real rate_gain;   /* of speed */
+    real noise_speed; /* units per second */
 } filter;
 
 /* Motion goes on in the next frame, and noise does not: exact keypoints have a jitter of a third of their
@@ -101,7 +106,7 @@ typedef struct {
  *   step  the mean one, in the filter's own units */
 static filter filter_by(edml_smoothing by, const edml_track *track, real step, real unit)
 {
-    filter made = {by, unit, 0, 0};
+    filter made = {by, unit, 0, 0, 0, 0, 0, 0};
     if (!(track->noise_full > 0)) return made;
     const real share = ratio(track->jitter, track->image_step, NOISY), full = FROM_API(track->noise_full);
     made.noise = MUL(share, step);    /* < 8 */
@@ -111,12 +116,23 @@ static filter filter_by(edml_smoothing by, const edml_track *track, real step, r
     return made;
 }
 
+/* The joints of a frame share one, but for those that were missing. */
+static void take_time(filter *f, uint32_t ms)
+{
+    if (f->ms == ms) return;
+    f->ms = ms;
+    f->turn = MUL(REAL(6.2831853), seconds_of(ms));
+    f->rate_gain = gain(RATE_CUTOFF, f->turn);
+    const real rest = DIV(f->rate_gain, REAL(2.0) - f->rate_gain);
+    f->noise_speed = PER_SECOND(MUL(SQRT(rest), f->noise), ms);
+}
+
 /* The speed of a joint without that of its noise. */
-static real own_speed(const edml_moving *joint, const filter *f, real rate_gain, uint32_t ms)
+static real own_speed(const edml_moving *joint, const filter *f)
 {
     const real speed = ratio(norm(joint->rate), f->unit, FAR); /* norm: < sqrt(3) 2^30 */
-    const real of_noise = PER_SECOND(MUL(SQRT(DIV(rate_gain, REAL(2.0) - rate_gain)), f->noise), ms);
-    return speed > of_noise ? ROOT_OF_EXACT(EXACT(speed, speed) - EXACT(of_noise, of_noise)) : 0;
+    if (!(speed > f->noise_speed)) return 0;
+    return ROOT_OF_EXACT(EXACT(speed, speed) - EXACT(f->noise_speed, f->noise_speed));
 }
 
 static point per_second(point a, uint32_t ms)
@@ -125,16 +141,16 @@ static point per_second(point a, uint32_t ms)
     return rate;
 }
 
-/* Moves a joint towards where it is seen.  All of its coordinates have one cutoff, by its speed, so that a
- * rotation of the camera changes nothing. */
-static void smooth(edml_moving *joint, point seen, uint32_t ms, const filter *f)
+/* Moves a joint towards where it is seen, `ms` after the last time.  All of its coordinates have one cutoff,
+ * by its speed, so that a rotation of the camera changes nothing. */
+static void smooth(edml_moving *joint, point seen, uint32_t ms, filter *f)
 {
-    const real turn = MUL(REAL(6.2831853), seconds_of(ms)), rate_gain = gain(RATE_CUTOFF, turn);
+    take_time(f, ms);
     const point step = minus(seen, joint->at); /* <= 2^30, or 2^28 in space */
-    add_multiple(&joint->rate, rate_gain, minus(per_second(step, ms), joint->rate));
+    add_multiple(&joint->rate, f->rate_gain, minus(per_second(step, ms), joint->rate));
     real cutoff = f->by.cutoff;
-    if (cutoff < UNFILTERED) cutoff += MUL(f->by.slope, own_speed(joint, f, rate_gain, ms)); /* < 2^30 */
-    const real alone = gain(cutoff, turn);
+    if (cutoff < UNFILTERED) cutoff += MUL(f->by.slope, own_speed(joint, f)); /* < 2^30 */
+    const real alone = gain(cutoff, f->turn);
     add_multiple(&joint->at, alone > f->motion ? alone : f->motion, step);
 }
 
@@ -183,16 +199,16 @@ static pixels expect_at(pixels at, pixels rate, real seconds)
     return then > 0 ? MAX_PIXELS : -MAX_PIXELS;
 }
 
-/* Where the joints that were seen lately are expected `ms` after the last frame. */
+/* Where the joints that were seen lately are expected `ms` after the last frame: until then, those that are
+ * held moved along with the others. */
 static void expect_joints(edml_keypoint expected[], const edml_track *track, uint32_t ms)
 {
+    const real seconds = seconds_of(ms);
     for (int j = 0; j < EDML_JOINTS; j++) {
         const edml_moving *image = &track->joint[j].image;
-        const int known = is_known(track, j);
-        const real seconds = known ? seconds_of(track->joint[j].age + ms) : 0;
         expected[j].x = expect_at(image->at.x, image->rate.x, seconds);
         expected[j].y = expect_at(image->at.y, image->rate.y, seconds);
-        expected[j].c = known ? 1 : 0;
+        expected[j].c = is_known(track, j) ? 1 : 0;
     }
 }
 
@@ -334,7 +350,7 @@ static int count_followed(const edml_track *track, const edml_keypoint in[])
 /* Smooths the seen joints; returns their mean motion: <= 2^30. */
 static point smooth_seen(edml_track *track, edml_keypoint in[], pixels size)
 {
-    const filter by = filter_by(track->smooth_image, track, track->image_step, size);
+    filter by = filter_by(track->smooth_image, track, track->image_step, size);
     const real count = (real)count_followed(track, in);
     point moved = {0, 0, 0};
     for (int j = 0; j < EDML_JOINTS; j++) {
@@ -425,7 +441,7 @@ static void smooth_pose(edml_track *track, edml_pose *out)
     if (first) track->mirror_log_odds = MIRROR_AT_START;
     track->mirrored = (uint8_t)(first ? 0 : choose_mirror(track, out));
     if (!first) average(&track->space_step, mean_step(track, out), seconds_of(track->elapsed));
-    const filter by = filter_by(track->smooth_space, track, track->space_step, REAL(1.0));
+    filter by = filter_by(track->smooth_space, track, track->space_step, REAL(1.0));
     for (int j = 0; j < EDML_JOINTS; j++) {
         edml_moving *space = &track->joint[j].space;
         if (first)

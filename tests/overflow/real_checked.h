@@ -108,7 +108,8 @@ static inline real checked_per_second(real a, uint32_t ms)
 {
     tally.ratios++;
     if (ms == 0 || ms > 1300) return tally.overflows++, real(0);
-    const int64_t rate = (int64_t)a.value() * 1000 / ms, most = (INT64_C(1) << 30) - 1;
+    const int64_t factor = (INT64_C(1000) << 20) / ms, most = (INT64_C(1) << 30) - 1;
+    const int64_t rate = a.value() * factor >> 20;
     return real::from(rate > most ? most : rate < -most ? -most : rate);
 }
 
