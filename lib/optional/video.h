@@ -21,11 +21,11 @@
 
 enum { HOLD_MS = 300, GAP_MS = 1000, LEAP_MS = 100 };
 enum { MIN_SEEN = EDML_JOINTS / 2 };
-enum { FAR = 64, LIMB = 3, NOISY = 4 }; /* the most that ratio() gives, see there */
+enum { FAR = 64, LIMB = 3, NOISY = 4 }; /* the most that in_units() gives, see there */
 
 /* Another person is farther away than this, in body sizes; frames apart need more. */
-#define LEAP REAL(1.0)
-#define LEAP_PER_SECOND REAL(2.0)
+#define ANOTHER_PERSON REAL(1.0)
+#define ANOTHER_PER_SECOND REAL(2.0)
 
 /* Frequencies: Q16 in fixed point. */
 #define HERTZ(n) PIXELS(n)
@@ -50,14 +50,14 @@ enum { FAR = 64, LIMB = 3, NOISY = 4 }; /* the most that ratio() gives, see ther
 
 /* ---- Numbers -------------------------------------------------------------------------------------- */
 
-static real clamp_to(real value, real most) /* NaN -> 0 */
+static real within(real value, real most) /* NaN -> 0 */
 {
     if (!(value <= most)) return value > most ? most : 0;
     return value < -most ? -most : value;
 }
 
 /* a / unit for any two like numbers, within +-most: up to twice that, where a unit is a last place. */
-static real ratio(real a, real unit, int most)
+static real in_units(real a, real unit, int most)
 {
     if (ABS(a) / (real)most < unit) return DIV(a, unit);
     return a < 0 ? -(real)most * REAL(1.0) : (real)most * REAL(1.0);
@@ -68,7 +68,7 @@ static real seconds_of(uint32_t ms) { return DIV((real)(int32_t)ms, (real)1000);
 /* A mean over MEAN_SECONDS; infinity would stay. */
 static void average(real *mean, real value, real seconds)
 {
-    *mean += MUL(DIV(seconds, seconds + MEAN_SECONDS), clamp_to(value, REAL(1.0)) - *mean);
+    *mean += MUL(DIV(seconds, seconds + MEAN_SECONDS), within(value, REAL(1.0)) - *mean);
 }
 
 /* ---- The one-euro filter (Casiez, Roussel, Vogel 2012) ---------------------------------------- */
@@ -108,7 +108,8 @@ static filter filter_by(edml_smoothing by, const edml_track *track, real step, r
 {
     filter made = {by, unit, 0, 0, 0, 0, 0, 0};
     if (!(track->noise_full > 0)) return made;
-    const real share = ratio(track->jitter, track->image_step, NOISY), full = FROM_API(track->noise_full);
+    const real share = in_units(track->jitter, track->image_step, NOISY),
+               full = FROM_API(track->noise_full);
     made.noise = MUL(share, step);    /* < 8 */
     if (!(share < full)) return made; /* also where nothing moves */
     const real part = DIV(share, full), square = MUL(part, part);
@@ -130,7 +131,7 @@ static void take_time(filter *f, uint32_t ms)
 /* The speed of a joint without that of its noise. */
 static real own_speed(const edml_moving *joint, const filter *f)
 {
-    const real speed = ratio(norm(joint->rate), f->unit, FAR); /* norm: < sqrt(3) 2^30 */
+    const real speed = in_units(norm(joint->rate), f->unit, FAR); /* norm: < sqrt(3) 2^30 */
     if (!(speed > f->noise_speed)) return 0;
     return ROOT_OF_EXACT(EXACT(speed, speed) - EXACT(f->noise_speed, f->noise_speed));
 }
@@ -163,9 +164,9 @@ static void smooth(edml_moving *joint, point seen, uint32_t ms, filter *f)
  * Returns whether the past choices must be flipped. */
 static int flips(real *belief, real continuity, real evidence)
 {
-    const real link = clamp_to(continuity, MAX_LOG_ODDS);
-    const real carried = clamp_to(*belief, ABS(link)); /* a chain is no stronger than its link */
-    const real now = clamp_to(carried + (link < 0 ? -evidence : evidence), MAX_LOG_ODDS);
+    const real link = within(continuity, MAX_LOG_ODDS);
+    const real carried = within(*belief, ABS(link)); /* a chain is no stronger than its link */
+    const real now = within(carried + (link < 0 ? -evidence : evidence), MAX_LOG_ODDS);
     *belief = ABS(now);
     return now < 0;
 }
@@ -244,12 +245,12 @@ static int frame_distance(real *distance, const edml_track *track, const edml_ke
     }
     if (count == 0) return 0;
     const pixels is = body_size(in), was = body_size(expected);
-    *distance = clamp_to(ratio(sorted[count / 2], (is < was ? is : was) / 2, FAR), (real)FAR * REAL(1.0));
+    *distance = within(in_units(sorted[count / 2], (is < was ? is : was) / 2, FAR), (real)FAR * REAL(1.0));
     return 1;
 }
 
 /* A distance within a body, in body sizes. */
-static real limb(pixels a, pixels size) { return clamp_to(ratio(a, size, LIMB), (real)LIMB * REAL(1.0)); }
+static real limb(pixels a, pixels size) { return within(in_units(a, size, LIMB), (real)LIMB * REAL(1.0)); }
 
 /* ---- Right and left ------------------------------------------------------------------------------ */
 
@@ -483,7 +484,7 @@ static void move_on(edml_track *track, const edml_keypoint in[], uint32_t time_m
     track->leapt = 0;
     track->aside = 0;
     if (track->elapsed > 0 && track->elapsed <= GAP_MS) {
-        const real most = LEAP + MUL(LEAP_PER_SECOND, seconds_of(track->elapsed));
+        const real most = ANOTHER_PERSON + MUL(ANOTHER_PER_SECOND, seconds_of(track->elapsed));
         real distance;
         if (frame_distance(&distance, track, in, track->elapsed) && distance <= most) return;
         track->leapt = 1;

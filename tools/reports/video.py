@@ -1,4 +1,4 @@
-"""What a track costs on a microcontroller, beside the lift: flash, stack and instructions, as Markdown.
+"""What a track costs on a microcontroller beside the lift: flash, stack, instructions, as Markdown.
 
     run.py reports.video            prints a row a core
     run.py reports.video --update   writes the table of docs/video.md
