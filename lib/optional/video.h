@@ -21,7 +21,7 @@
 
 enum { HOLD_MS = 300, GAP_MS = 1000, LEAP_MS = 100 };
 enum { MIN_SEEN = EDML_JOINTS / 2 };
-enum { FAR = 64, LIMB = 3, NOISY = 4 }; /* the most that in_units() gives, see there */
+enum { FAR = 64, LIMB = 3, NOISY = 4 }; /* the most that unit_ratio() gives, see there */
 
 /* Another person is farther away than this, in body sizes; frames apart need more. */
 #define ANOTHER_PERSON REAL(1.0)
@@ -57,7 +57,7 @@ static real within(real value, real most) /* NaN -> 0 */
 }
 
 /* a / unit for any two like numbers, within +-most: up to twice that, where a unit is a last place. */
-static real in_units(real a, real unit, int most)
+static real unit_ratio(real a, real unit, int most)
 {
     if (ABS(a) / (real)most < unit) return DIV(a, unit);
     return a < 0 ? -(real)most * REAL(1.0) : (real)most * REAL(1.0);
@@ -108,7 +108,7 @@ static filter filter_by(edml_smoothing by, const edml_track *track, real step, r
 {
     filter made = {by, unit, 0, 0, 0, 0, 0, 0};
     if (!(track->noise_full > 0)) return made;
-    const real share = in_units(track->jitter, track->image_step, NOISY),
+    const real share = unit_ratio(track->jitter, track->image_step, NOISY),
                full = FROM_API(track->noise_full);
     made.noise = MUL(share, step);    /* < 8 */
     if (!(share < full)) return made; /* also where nothing moves */
@@ -131,7 +131,7 @@ static void take_time(filter *f, uint32_t ms)
 /* The speed of a joint without that of its noise. */
 static real own_speed(const edml_moving *joint, const filter *f)
 {
-    const real speed = in_units(norm(joint->rate), f->unit, FAR); /* norm: < sqrt(3) 2^30 */
+    const real speed = unit_ratio(norm(joint->rate), f->unit, FAR); /* norm: < sqrt(3) 2^30 */
     if (!(speed > f->noise_speed)) return 0;
     return ROOT_OF_EXACT(EXACT(speed, speed) - EXACT(f->noise_speed, f->noise_speed));
 }
@@ -245,12 +245,16 @@ static int frame_distance(real *distance, const edml_track *track, const edml_ke
     }
     if (count == 0) return 0;
     const pixels is = body_size(in), was = body_size(expected);
-    *distance = within(in_units(sorted[count / 2], (is < was ? is : was) / 2, FAR), (real)FAR * REAL(1.0));
+    *distance = within(unit_ratio(sorted[count / 2], (is < was ? is : was) / 2, FAR),
+                       (real)FAR * REAL(1.0));
     return 1;
 }
 
 /* A distance within a body, in body sizes. */
-static real limb(pixels a, pixels size) { return within(in_units(a, size, LIMB), (real)LIMB * REAL(1.0)); }
+static real limb(pixels a, pixels size)
+{
+    return within(unit_ratio(a, size, LIMB), (real)LIMB * REAL(1.0));
+}
 
 /* ---- Right and left ------------------------------------------------------------------------------ */
 
