@@ -1169,6 +1169,16 @@ def test_a_track_in_fixed_point():
     assert [answer["status"] for answer in answers] == ["ok"] * len(keypoints)
 
 
+def test_two_people_in_fixed_point():
+    """Whom the detector lists in either order: each keeps the number that a float track gives."""
+    data = (ROOT / "tests" / "python" / "cases" / "two_people.jsonl").read_text()
+    plain, fixed = (
+        objects(run(data, "--json", "--track", "30", *more)) for more in ((), ("--fixed",))
+    )
+    people = [[answer["person"] for answer in answers] for answers in (plain, fixed)]
+    assert people[0] == people[1] and sorted(set(people[0])) == [0, 1]
+
+
 @pytest.mark.parametrize("setting", [("--smooth-image", "1,33"), ("--noise-full", "65")])
 def test_settings_out_of_the_range_of_integers(setting: tuple[str, str]):
     result = run(GOOD, "--track", "30", "--fixed", *setting)
