@@ -12,7 +12,7 @@ static const int32_t walk[][3 * EDML_JOINTS] = {
 enum { FRAMES = (int)(sizeof walk / sizeof walk[0]) };
 
 static edml_work work;
-static edml_track track; /* 892 bytes; one for each person */
+static edml_track track; /* 900 bytes; one for each person */
 
 /* Stands where a detector would be. */
 static void detect(edml_keypoint out[EDML_JOINTS], int frame)

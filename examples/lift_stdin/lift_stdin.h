@@ -33,10 +33,12 @@ typedef struct {
     int track;                 /* the lines are a video ... */
     float fps;                 /* ... of so many frames a second; 0: the lines have their times */
     int hold_bones;            /* so many of its poses measure the bones of all; 0: none */
-    edml_body body;            /* height 0: not given */
-    int quality;               /* print it */
-    int angles;                /* print them */
-    int mirrored;              /* the image is a mirror image */
+    edml_smoothing smooth_image, smooth_space; /* cutoff 0: not given */
+    float noise_full;                          /* negative: not given */
+    edml_body body;                            /* height 0: not given */
+    int quality;                               /* print it */
+    int angles;                                /* print them */
+    int mirrored;                              /* the image is a mirror image */
     int header, json, fixed;
 } options;
 
@@ -92,19 +94,28 @@ void note_bad(unsigned long line, const char *wrong);
 int lift_csv(FILE *file, const options *set);
 int lift_json(FILE *file, const options *set);
 
+/* One person of a video, in fixed point. */
+typedef struct {
+    edml_track_q track;
+    edml_measured_body_q bones;
+    edml_path_q path;
+} followed_q;
+
 /* One person of a video. */
 typedef struct {
     edml_track track;
     edml_measured_body bones;
     edml_path path;
-    uint64_t id;    /* of the input; 0: none */
-    long number;    /* from 0, in the order of their first frames; below 0: it has none */
-    double last_ms; /* of its last frame */
+    followed_q fixed;   /* with --fixed, instead of these */
+    uint64_t id;        /* of the input; 0: none */
+    long number;        /* from 0, in the order of their first frames; below 0: it has none */
+    double last_ms;     /* of its last frame */
     int in_use, alone;
 } person_track;
 
 /* The track of someone; NULL: there are too many people. */
-person_track *find_track(const person *who, const edml_keypoint joints[EDML_JOINTS], double ms);
+person_track *find_track(const person *who, const edml_keypoint joints[EDML_JOINTS], double ms,
+                         const options *set);
 
 /* After a frame of this track: one that is refused does not begin it. */
 void feed_track(person_track *track, double ms, int lifted);
@@ -119,8 +130,17 @@ void write_angle_names(void);
 void write_angle_fields(const answer *out, const options *set);
 void write_angle_member(const answer *out, const options *set);
 
-/* Lifts, sizes and places in integers; a coordinate that they cannot hold is not finite. */
-edml_status lift_fixed(answer *out, const edml_keypoint in[], const options *set);
+/* Lifts, sizes and places in integers; a coordinate that they cannot hold is not finite.  With a track, a frame
+ * of it, milliseconds by any clock; the joints' sides are then put right. */
+edml_status lift_fixed(answer *out, edml_keypoint joints[EDML_JOINTS], const edml_keypoint in[], double ms,
+                       person_track *by, const options *set);
+void start_fixed_track(edml_track_q *track, const options *set);
+
+/* edml_track_distance_q(), in body sizes. */
+float distance_fixed(const edml_track_q *track, const edml_keypoint joints[EDML_JOINTS], double ms);
+
+/* In milliseconds of a clock that wraps around. */
+uint32_t clock_of(double ms);
 
 /* Puts a placement, or the reason for none, into the answer. */
 void take_placement(answer *out, edml_status status, const edml_placement *placement, float focal);

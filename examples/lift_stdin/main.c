@@ -55,9 +55,6 @@ static double time_of(const person *who, const options *set)
     return set->fps > 0 ? 1000.0 * (double)who->frame / (double)set->fps : 1000.0 * who->time + 0.5;
 }
 
-/* By a clock that wraps around. */
-static uint32_t clock_of(double ms) { return (uint32_t)fmod(floor(ms), 4294967296.0); }
-
 static edml_status lift_frame(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], double ms,
                               person_track *by, const options *set)
 {
@@ -166,11 +163,11 @@ const char *lift_person(answer *out, person *who, const options *set)
     adapt(joints, who->in, set);
     out->person = -1;
     const double ms = set->track ? time_of(who, set) : 0;
-    person_track *by = set->track ? find_track(who, joints, ms) : NULL;
+    person_track *by = set->track ? find_track(who, joints, ms, set) : NULL;
     if (set->track && by == NULL) {
         out->status = "too_many_people";
     } else {
-        const edml_status status = set->fixed ? lift_fixed(out, who->in, set)
+        const edml_status status = set->fixed ? lift_fixed(out, joints, who->in, ms, by, set)
                                               : lift(out, joints, ms, by, set);
         out->status = edml_status_name(status);
         if (status == EDML_OK) note_pose(who, joints, out->quality, set);

@@ -15,8 +15,10 @@ static const edml_model *const models[] = {
     &edml_direct_w16,    &edml_direct_w8,     &edml_fconn_f32,    &edml_fconn_w16,
     &edml_fconn_w8,      &edml_fconv_f32,     &edml_fconv_w8,
 };
+enum { MAX_SLOPE_FIXED = 32 }; /* edml_smoothing_q */
 enum { MODELS = (int)(sizeof models / sizeof models[0]), FIRST_QUANTISED = 1 };
 
+/* In three, because C99 promises no longer strings. */
 static const char usage[] =
     "Usage: lift_stdin [OPTION]... < poses.csv > lifted.csv\n"
     "Lifts 2D poses to 3D, a line of input to a line of output, in order.\n"
@@ -64,7 +66,9 @@ static const char usage_of_options[] = /* apart, because compilers need not take
     "                  x, y and score; or a frame with its \"people\":[...]; or files of OpenPose, COCO,\n"
     "                  AlphaPose, mmpose, Ultralytics, tfjs or MediaPipe.  A line answers a person:\n"
     "                  members of the frame, all of the person's, a bad one's as well, and \"status\",\n"
-    "                  \"joints\":[[x,y,z],...] and \"misfit\".  Without people: the status nobody\n"
+    "                  \"joints\":[[x,y,z],...] and \"misfit\".  Without people: the status nobody\n";
+
+static const char more_options[] =
     "  --track FPS     the lines are a video of one person, FPS frames a second: steady its motion;\n"
     "                  --track t: at the times that the objects of --json have, \"t\", in seconds;\n"
     "                  a line that is not a pose is a frame without one; one video a run.  With frames\n"
@@ -73,6 +77,12 @@ static const char usage_of_options[] = /* apart, because compilers need not take
     "                  the nearest: \"person\" is its number.  A 17th has the status too_many_people\n"
     "  --hold-bones N  of a video: the first N poses, 60 at most, measure a person's bones, whose\n"
     "                  lengths all poses then have (default: 60); 0: bones are as each pose has them\n"
+    "  --smooth-image CUTOFF,SLOPE, --smooth-space CUTOFF,SLOPE\n"
+    "                  --track's one-euro filters of keypoints and of poses: a cutoff in Hz, lower is\n"
+    "                  steadier, and how it rises with speed, in Hz per body size a second and per m/s\n"
+    "                  (default: 2,4 and 2,2.5); a cutoff of 100000 filters nothing\n"
+    "  --noise-full R  --track's filters act in full where the keypoints' noise is R of how they move,\n"
+    "                  and less where it is smaller (default: 1); 0: always in full, as in the paper\n"
     "  --model NAME    network (default: distances_f32; with --fixed distances_w16), such as\n"
     "                  direct_w16; --list-models has all\n"
     "  --fixed         lift in fixed point, as on a core without an FPU; coordinates must be within\n"
@@ -230,6 +240,38 @@ static void set_hold_bones(options *set, const char *text)
     exit(EXIT_TROUBLE);
 }
 
+static edml_smoothing read_smoothing(const char *name, const char *text)
+{
+    float n[2];
+    const int read = read_list(n, 2, text);
+    if (!read || !(n[0] > 0 && n[1] >= 0)) {
+        fprintf(stderr,
+                "lift_stdin: %s must be CUTOFF,SLOPE, a cutoff over 0 and a slope of 0 or more, "
+                "both under 1e6, not '%s'\n",
+                name, text);
+        exit(EXIT_TROUBLE);
+    }
+    const edml_smoothing by = {n[0], n[1]};
+    return by;
+}
+
+static void set_smooth_image(options *set, const char *text)
+{
+    set->smooth_image = read_smoothing("--smooth-image", text);
+}
+
+static void set_smooth_space(options *set, const char *text)
+{
+    set->smooth_space = read_smoothing("--smooth-space", text);
+}
+
+static void set_noise_full(options *set, const char *text)
+{
+    if (read_list(&set->noise_full, 1, text) && set->noise_full >= 0 && set->noise_full <= 64) return;
+    fprintf(stderr, "lift_stdin: --noise-full must be a number from 0 to 64, not '%s'\n", text);
+    exit(EXIT_TROUBLE);
+}
+
 static void set_height(options *set, const char *text)
 {
     edml_pose zero = {{{0, 0, 0}}, 0, 0}; /* edml_fit_body() fails later with it than with a bad height */
@@ -246,10 +288,19 @@ static int set_value(options *set, char **argv, int *i)
         const char *name;
         void (*set)(options *set, const char *value);
     } settings[] = {
-        {"--model", set_model},           {"--format", set_format}, {"--threshold", set_threshold},
-        {"--image", set_image},           {"--camera", set_camera}, {"--focal", set_focal},
-        {"--track", set_track},           {"--height", set_height}, {"--up", set_up},
+        {"--model", set_model},
+        {"--format", set_format},
+        {"--threshold", set_threshold},
+        {"--image", set_image},
+        {"--camera", set_camera},
+        {"--focal", set_focal},
+        {"--track", set_track},
+        {"--height", set_height},
+        {"--up", set_up},
         {"--hold-bones", set_hold_bones},
+        {"--smooth-image", set_smooth_image},
+        {"--smooth-space", set_smooth_space},
+        {"--noise-full", set_noise_full},
     };
     for (unsigned n = 0; n < sizeof settings / sizeof *settings; n++) {
         const char *value = option_value(settings[n].name, argv, i);
@@ -286,7 +337,7 @@ static void print_and_exit(const char *option)
     else if (strcmp(option, "--list-formats") == 0)
         print_formats(stdout);
     else if (strcmp(option, "--help") == 0)
-        fputs(usage, stdout), fputs(usage_of_options, stdout);
+        printf("%s%s%s", usage, usage_of_options, more_options);
     else if (strcmp(option, "--version") == 0)
         puts("lift_stdin (edmlift) " EDML_VERSION_STRING);
     else
@@ -308,7 +359,7 @@ static void finish_camera(options *set)
 
 options read_options(char **argv)
 {
-    options set = {.model = NULL, .threshold = -1, .hold_bones = -1};
+    options set = {.model = NULL, .threshold = -1, .noise_full = -1, .hold_bones = -1};
     for (int i = 1; argv[i] != NULL; i++) {
         if (set_value(&set, argv, &i)) continue;
         print_and_exit(argv[i]);
@@ -333,7 +384,12 @@ options read_options(char **argv)
         refuse("--mirrored with --camera needs the size of the image: --image WIDTH,HEIGHT");
     if (set.hold_bones >= 0 && !set.track) refuse("--hold-bones is for a video: give --track, too");
     if (set.hold_bones < 0) set.hold_bones = EDML_MEASURED_POSES;
-    if (set.fixed && set.track) refuse("--track works in float only: give --track or --fixed, not both");
+    if (!set.track && (set.smooth_image.cutoff > 0 || set.smooth_space.cutoff > 0 || set.noise_full >= 0))
+        refuse("--smooth-image, --smooth-space and --noise-full are for --track");
+    if (set.fixed && set.smooth_image.slope > MAX_SLOPE_FIXED)
+        refuse("--smooth-image: with --fixed a slope is 32 at most");
+    if (set.fixed && set.smooth_space.slope > MAX_SLOPE_FIXED)
+        refuse("--smooth-space: with --fixed a slope is 32 at most");
     if (set.quality && set.track)
         refuse("--quality is for single lifts: give --quality or --track, not both");
     if (set.track && set.fps == 0 && !set.json)

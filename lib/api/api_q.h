@@ -13,6 +13,7 @@
 #include "edmlift/fixed.h"
 #include "edmlift/many.h"
 #include "edmlift/stages.h"
+#include "edmlift/video.h"
 
 #include "../number/compiler.h"
 #include "../number/real_q24.h"
@@ -26,6 +27,9 @@ typedef int32_t api_real; /* Q16 */
 #define FROM_API(a) ((a) * 256) /* |a| < 128 */
 #define NO_ANGLE EDML_NO_ANGLE
 #define IS_FINITE(a) is_in_range_q16(a)
+#define MAX_PIXELS ((INT32_C(1) << 29) - 1)
+#define API_MAX INT32_MAX
+#define MAX_SLOPE (INT32_C(32) << 16)
 #define MIN_MAGNITUDE (INT32_C(256) << 16) /* pixels: 24 bits, as many as a float has */
 #define PIXELS(n) (INT32_C(n) << 16)       /* n < 8192 */
 #define PARAM(number) (number).q24
@@ -47,6 +51,10 @@ static inline int is_in_range_q16(int32_t a) { return a > -(INT32_C(1) << 29) &&
 #define edml_measured_body edml_measured_body_q
 #define edml_path edml_path_q
 #define edml_focal edml_focal_q
+#define edml_smoothing edml_smoothing_q
+#define edml_moving edml_moving_q
+#define edml_tracked_joint edml_tracked_joint_q
+#define edml_track edml_track_q
 #define edml_image edml_image_q
 #define edml_image_point edml_image_point_q
 #define edml_prediction edml_prediction_q
@@ -71,6 +79,10 @@ static inline int is_in_range_q16(int32_t a) { return a > -(INT32_C(1) << 29) &&
 #define edml_lift edml_lift_q
 #define edml_lift_with_camera edml_lift_with_camera_q
 #define edml_lift_many edml_lift_many_q
+#define edml_track_start edml_track_start_q
+#define edml_track_lift edml_track_lift_q
+#define edml_track_distance edml_track_distance_q
+#define edml_track_swap_sides edml_track_swap_sides_q
 #define edml_place edml_place_q
 #define edml_place_sweep edml_place_sweep_q
 #define edml_path_start edml_path_start_q

@@ -6,6 +6,7 @@
  *   Q12(n)        the integer n counts 1 / 4096
  *   MUL DIV SQRT  of reals; DIV is the ratio of any two like numbers
  *   DIV16         a / b to 16 fraction bits, where that is enough; 0 <= a < 1/2 <= b
+ *   PER_SECOND    a * 1000 / ms, for 0 < ms <= 1300; a real of +-64 at most
  *   HYPOT NORM    length of a vector of two and of three
  *   ABS TRUNCATE  absolute value; a wide that is known to fit, as a real
  *   PRODUCT       of two reals, as a wide of finer fraction, for sums of up to 2^23
@@ -55,6 +56,7 @@ typedef float wide;
 #define DIV(a, b) ((a) / (b))
 #define DIV16(a, b) ((a) / (b))
 #define SQRT(a) sqrtf(a)
+#define PER_SECOND(a, ms) ((a) * (1000.0F / (float)(ms)))
 #define HYPOT(a, b) sqrtf((a) * (a) + (b) * (b))
 #define NORM(a, b, c) sqrtf((a) * (a) + (b) * (b) + (c) * (c))
 #define ABS(a) fabsf(a)

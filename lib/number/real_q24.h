@@ -24,8 +24,9 @@ typedef int64_t wide;
 #define DIV(a, b) edml__divide_q24(a, b)   /* error <= 1/2 unit in the last place */
 #define DIV16(a, b) divide_q16(a, b)       /* error <= 2^-17 (1 + a / b^2) */
 #define SQRT(a) sqrt_q24(a)                /* error < 1 unit, not too large */
-#define HYPOT(a, b) hypot_q24(a, b, 0)     /* error < 1 unit, not too large; result < 128 */
-#define NORM(a, b, c) hypot_q24(a, b, c)   /* the same */
+#define PER_SECOND(a, ms) per_second_q24(a, ms)
+#define HYPOT(a, b) hypot_q24(a, b, 0)   /* error < 1 unit, not too large; result < 128 */
+#define NORM(a, b, c) hypot_q24(a, b, c) /* the same */
 #define ABS(a) ((a) < 0 ? -(a) : (a))
 #define TRUNCATE(sum) ((real)(sum))
 #define PRODUCT(a, b) product_q40(a, b)
@@ -58,6 +59,13 @@ static inline real saturate_q40(wide sum)
 {
     const wide limit = (wide)64 << 40;
     return (real)(((sum > limit ? limit : sum < -limit ? -limit : sum) + (INT32_C(1) << 15)) >> 16);
+}
+
+static inline real per_second_q24(real a, uint32_t ms)
+{
+    const uint32_t factor = (UINT32_C(1000) << 20) / ms; /* < 2^30 */
+    const int64_t rate = edml__product(a, (int32_t)factor) >> 20, most = (INT64_C(1) << 30) - 1;
+    return (real)(rate > most ? most : rate < -most ? -most : rate);
 }
 
 static inline real shift_q24(real a, int exponent) /* rounded down */

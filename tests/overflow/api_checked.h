@@ -26,6 +26,9 @@ typedef int32_t api_real;
 #define FROM_API(a) (real(a) * 256)
 #define NO_ANGLE EDML_NO_ANGLE
 #define IS_FINITE(a) checked_range(a)
+#define MAX_PIXELS real((1 << 29) - 1)
+#define API_MAX INT32_MAX
+#define MAX_SLOPE (32 << 16)
 #define MIN_MAGNITUDE (256 << 16)
 #define PIXELS(n) real((n) * 65536)
 #define PARAM(number) real((number).q24)
@@ -73,6 +76,29 @@ struct edml_focal_checked {
     pixels width, height;
     api_real misfit[EDML_FOCAL_LENGTHS];
     uint16_t poses;
+};
+
+struct edml_moving_checked {
+    point at, rate;
+};
+
+struct edml_tracked_joint_checked {
+    edml_moving_checked image, space;
+    real innovation_x, innovation_y;
+    uint16_t age;
+};
+
+struct edml_track_checked { /* as edml_track_q */
+    edml_smoothing_q smooth_image, smooth_space;
+    int32_t noise_full;
+    real jitter, image_step, space_step;
+    uint32_t elapsed;
+    uint16_t held;
+    uint8_t swapped, mirrored, leapt, started;
+    uint16_t aside;
+    uint32_t time;
+    real arms_log_odds, legs_log_odds, mirror_log_odds;
+    edml_tracked_joint_checked joint[EDML_JOINTS];
 };
 
 struct edml_matrix_checked {
@@ -129,6 +155,10 @@ extern edml_status (*const checked_orientation)(edml_work_checked *work, const e
 #define edml_measured_body edml_measured_body_q
 #define edml_path edml_path_q
 #define edml_focal edml_focal_checked
+#define edml_smoothing edml_smoothing_q
+#define edml_moving edml_moving_checked
+#define edml_tracked_joint edml_tracked_joint_checked
+#define edml_track edml_track_checked
 #define edml_matrix edml_matrix_checked
 #define edml_eigen edml_eigen_checked
 #define edml_plane_rotation edml_plane_rotation_checked
@@ -148,6 +178,10 @@ extern edml_status (*const checked_orientation)(edml_work_checked *work, const e
 #define edml__orient_alone edml__orient_alone_checked
 #define edml_lift edml_lift_checked
 #define edml_lift_with_camera edml_lift_with_camera_checked
+#define edml_track_start edml_track_start_checked
+#define edml_track_lift edml_track_lift_checked
+#define edml_track_distance edml_track_distance_checked
+#define edml_track_swap_sides edml_track_swap_sides_checked
 #define edml_place edml_place_checked
 #define edml_place_sweep edml_place_sweep_checked
 #define edml_path_start edml_path_start_checked

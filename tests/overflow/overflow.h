@@ -10,6 +10,7 @@
 #include "edmlift/body.h"
 #include "edmlift/camera.h"
 #include "edmlift/stages.h"
+#include "edmlift/video.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -30,6 +31,12 @@ edml_status checked_lift(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS
 edml_status checked_lift_with_camera(edml_pose_q *pose, const edml_keypoint_q in[EDML_JOINTS],
                                      const edml_point_q *up, const edml_camera_q *camera,
                                      const edml_model *model, checked_tally *tally);
+
+/* The frames of one video, one after the other: edml_track_start_q(), whose settings `set` may replace;
+ * edml_track_distance_q() and edml_track_lift_q(), and what the two took. */
+void checked_track_start(const edml_track_q *set);
+edml_status checked_track_lift(edml_pose_q *pose, int32_t *distance, const edml_keypoint_q in[EDML_JOINTS],
+                               uint32_t time_ms, const edml_model *model, checked_tally *tally);
 
 /* edml_refine_q() of the points of edml_mds_q(), and the objective before it.
  *   distance  0 to 3 m, Q24 */

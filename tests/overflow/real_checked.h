@@ -22,6 +22,7 @@ typedef checked<int64_t> wide;
 #define DIV(a, b) checked_div(a, b)
 #define DIV16(a, b) checked_div16(a, b)
 #define SQRT(a) checked_sqrt(a)
+#define PER_SECOND(a, ms) checked_per_second(a, ms)
 #define HYPOT(a, b) checked_norm(a, b, 0)
 #define NORM(a, b, c) checked_norm(a, b, c)
 #define ABS(a) ((a) < 0 ? -(a) : (a))
@@ -101,6 +102,15 @@ static inline real checked_div16(real a, real b)
     if (b.value() < 1 << 23 || a < 0 || a.value() >= 1 << 23) return tally.overflows++, real(0);
     const int64_t divisor = ((int64_t)b.value() + 128) >> 8;
     return real::from(((int64_t)a.value() * 256 + divisor / 2) / divisor * 256);
+}
+
+static inline real checked_per_second(real a, uint32_t ms)
+{
+    tally.ratios++;
+    if (ms == 0 || ms > 1300) return tally.overflows++, real(0);
+    const int64_t factor = (INT64_C(1000) << 20) / ms, most = (INT64_C(1) << 30) - 1;
+    const int64_t rate = a.value() * factor >> 20;
+    return real::from(rate > most ? most : rate < -most ? -most : rate);
 }
 
 static inline real checked_sqrt(real a)

@@ -493,6 +493,85 @@ static void paths_anywhere(void)
     TEST_ASSERT_TRUE(followed > 20000);
 }
 
+/* ---- Videos -------------------------------------------------------------------------------------- */
+
+/* The next frame: someone who moves, and is seen worse and worse; or anything, here or at the ends of the
+ * range. */
+static void some_frame(rng *r, int n, const edml_point x[EDML_JOINTS])
+{
+    edml_keypoint image[EDML_JOINTS];
+    edml_point turned[EDML_JOINTS];
+    const uint32_t kind = rng_bits(r) % 16;
+    const int shift = 3 + (int)(rng_bits(r) % 20), right = kind % 2 ? EDML_R_SHOULDER : EDML_R_HIP;
+    rotate_points(turned, random_rotation(r), x);
+    photograph(image, n % 8 == 7 ? turned : x);
+    to_q16(in, image);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        in[j].x += (int32_t)rng_bits(r) >> (10 + n % 20);
+        in[j].y += (int32_t)rng_bits(r) >> (10 + n % 20);
+        if (rng_bits(r) % 16 == 0) in[j].c = 0;
+        const int ends = kind == 15 && n % 4;
+        if (kind >= 14 && rng_bits(r) % 2) in[j].x = ends ? ROOM - 1 : (int32_t)rng_bits(r) >> shift;
+        if (kind >= 14 && rng_bits(r) % 2) in[j].y = ends ? 1 - ROOM : (int32_t)rng_bits(r) >> shift;
+    }
+    for (int j = right; j < right + 3 && kind < 4; j++) {
+        const edml_keypoint_q other = in[j];
+        in[j] = in[edml_mirror_joint[j]];
+        in[edml_mirror_joint[j]] = other;
+    }
+}
+
+static void some_settings(rng *r, int n, edml_track_q *track)
+{
+    if (n % 3 == 0) return;
+    track->smooth_image.cutoff = 1 + (int32_t)(rng_bits(r) >> (1 + rng_bits(r) % 30));
+    track->smooth_space.cutoff = n % 3 == 1 ? INT32_MAX : (1 << 27) - 1;
+    track->smooth_image.slope = (int32_t)(rng_bits(r) % ((32 << 16) + 1));
+    track->smooth_space.slope = n % 2 ? 32 << 16 : 0;
+    track->noise_full = (int32_t)(rng_bits(r) % ((64 << 16) + 1)) >> rng_bits(r) % 23;
+}
+
+static int follow_both(edml_track_q *track, uint32_t time_ms, const edml_model *model)
+{
+    edml_pose_q expected, found;
+    checked_tally taken;
+    int32_t other;
+    memset(&expected, 0, sizeof expected);
+    memset(&found, 0, sizeof found);
+    const int32_t distance = edml_track_distance_q(track, in, time_ms);
+    const edml_status status = edml_track_lift_q(&expected, track, in, time_ms, NULL, model, &work,
+                                                 sizeof work);
+    TEST_ASSERT_EQUAL_INT(status, checked_track_lift(&found, &other, in, time_ms, model, &taken));
+    TEST_ASSERT_SAME_BYTES(expected, found);
+    TEST_ASSERT_EQUAL_INT32(distance, other);
+    TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+    return status == EDML_OK;
+}
+
+static void videos(void)
+{
+    rng r = rng_seed(94);
+    int lifted = 0;
+    for (int n = 0; n < 400; n++) {
+        edml_point x[EDML_JOINTS];
+        edml_track_q track;
+        uint32_t time_ms = rng_bits(&r);
+        edml_track_start_q(&track);
+        some_settings(&r, n, &track);
+        checked_track_start(&track);
+        random_human(&r, x);
+        for (int frame = 0; frame < 30; frame++) {
+            const uint32_t steps[] = {0, 1, 33, 67, 300, 1000, 1001};
+            some_frame(&r, n, x);
+            lifted += follow_both(&track, time_ms, models[n % MODELS]);
+            time_ms += n % 2 ? 33 : steps[rng_bits(&r) % 7];
+            for (int j = 0; j < EDML_JOINTS; j++) x[j].x += 0.02F * gauss(&r);
+        }
+    }
+    printf("check: %d of 12000 frames lifted\n", lifted);
+    TEST_ASSERT_TRUE(lifted > 6000);
+}
+
 /* ---- Bodies, their quality, and on the floor --------------------------------------------------------- */
 
 static void same_fit_and_quality(const edml_pose_q *pose, const edml_body_q *body)
@@ -641,5 +720,6 @@ int main(void)
     RUN_TEST(paths_anywhere);
     RUN_TEST(poses_of_any_size);
     RUN_TEST(keypoints_of_any_detector);
+    RUN_TEST(videos);
     return UNITY_END();
 }

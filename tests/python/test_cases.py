@@ -124,6 +124,38 @@ def test_someone_who_sits_comes_out_sitting(model: str, above: float):
 
 
 @pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize(("pixels", "mean", "worst"), [(2, 10, 50), (8, 20, 250)])
+def test_someone_who_stands_still_does_not_tremble(
+    model: str, pixels: float, mean: float, worst: float
+):
+    keypoints = read("standing_still")
+    if pixels != 2:  # the file's own noise, enlarged
+        middle = keypoints[..., :2].mean(0)
+        keypoints[..., :2] = middle + pixels / 2 * (keypoints[..., :2] - middle)
+    alone, tracked = (
+        1000 * np.linalg.norm(np.diff(poses.joints[30:], axis=0), axis=-1)
+        for poses in (edmlift.lift(keypoints, model), edmlift.track(keypoints, fps=30, model=model))
+    )
+    assert tracked.mean() < mean and tracked.max() < worst
+    assert tracked.mean() < alone.mean() / 4
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_one_frame_of_another_person_leaves_no_trace(model: str):
+    """Whom the detector lists first for a frame, 420 pixels to the right."""
+    keypoints = read("other_person_once")
+    alone = edmlift.lift(keypoints, model)
+    tracked = edmlift.track(keypoints, fps=30, model=model)
+    assert tracked.ok.all() and tracked.elapsed[15] == 0 and tracked.elapsed[16] > 60
+    off = 1000 * np.linalg.norm(tracked.joints - alone.joints, axis=-1).mean(1)
+    assert off[15] == 0 and off.max() < 15
+    without = np.delete(keypoints, 15, 0)
+    times = np.delete(np.arange(len(keypoints)) * 1000 / 30, 15)
+    clean = edmlift.track(without, time_ms=times, model=model)
+    np.testing.assert_array_equal(np.delete(tracked.joints, 15, 0), clean.joints)
+
+
+@pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("turn", [90, 180, 270, 37])
 def test_a_turned_image_is_a_turned_pose(model: str, turn: float):
     """Handstands, people who lie, and cameras on their side are as good as upright."""

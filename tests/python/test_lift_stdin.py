@@ -19,6 +19,7 @@ from support import need_library
 import edmlift as package
 from edmlift import library as edmlift
 from edmlift.joints import MIRROR
+from edmlift.tracking import track
 
 ROOT = Path(__file__).resolve().parents[2]
 HEADER = (ROOT / "include" / "edmlift.h").read_text()
@@ -1108,9 +1109,81 @@ def test_times_are_for_json():
     assert result.returncode == 2 and b"--json" in result.stderr and result.stdout == b""
 
 
-def test_track_is_not_in_fixed_point():
-    result = run(GOOD, "--track", "30", "--fixed")
-    assert result.returncode == 2 and b"--fixed" in result.stderr
+SETTINGS = {"smooth_image": (1, 0.5), "smooth_space": (0.5, 0.25), "noise_full": 0.5}
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_the_tracks_settings(name: str):
+    setting = SETTINGS[name]
+    value = str(setting) if isinstance(setting, float) else ",".join(map(str, setting))
+    noisy = WALK.copy()
+    noisy[..., :2] += np.round(np.random.default_rng(5).normal(0, 5, noisy[..., :2].shape), 2)
+    data = "\n".join(map(text, noisy))
+    table = rows(run(data, "--track", "30", f"--{name.replace('_', '-')}", value))
+    joints = np.array([numbers(row)[:42] for row in table]).reshape(-1, 14, 3)
+    plain, other = (
+        track(noisy, time_ms=np.arange(len(WALK)) * 1000 // 30, **options).joints
+        for options in ({}, {name: setting})
+    )
+    np.testing.assert_allclose(joints, other, rtol=1e-5, atol=1e-5)
+    assert np.abs(other - plain).max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    "option, value",
+    [
+        ("--smooth-image", "0,1"), ("--smooth-image", "1"), ("--smooth-space", "1,-1"),
+        ("--smooth-space", "1,nan"), ("--smooth-space", "inf,1"), ("--noise-full", "-1"),
+        ("--noise-full", "x"),
+    ],
+)  # fmt: skip
+def test_bad_settings_of_the_track(option: str, value: str):
+    result = run(GOOD, "--track", "30", option, value)
+    assert result.returncode == 2 and option in result.stderr.decode() and result.stdout == b""
+
+
+def test_the_tracks_settings_are_for_the_track():
+    result = run(GOOD, "--noise-full", "1")
+    assert result.returncode == 2 and b"--track" in result.stderr
+
+
+def test_a_track_in_fixed_point():
+    """The same as in float, within a centimetre, with swapped sides and another person."""
+    keypoints = WALK.copy()
+    keypoints[20:22] = keypoints[20:22, MIRROR]
+    keypoints[30] = keypoints[5] + [400, 0, 0]
+    data = "\n".join(map(text, keypoints))
+    options = ("--track", "30", "--camera", "1145,1145,500,500", "--smooth-space", "1,1")
+    plain, fixed = (place(data, *options, *more) for more in ((), ("--fixed",)))
+    joints, joints_fixed = (
+        np.array([row[1:43] for row in table], float) for table in (plain, fixed)
+    )
+    np.testing.assert_allclose(joints_fixed, joints, atol=0.01)
+    alone, tracked = (rows(run(data, "--fixed", *more)) for more in ((), ("--track", "30")))
+    off = [
+        np.abs(np.subtract(numbers(a)[:42], numbers(b)[:42])).max()
+        for a, b in zip(alone, tracked, strict=True)
+    ]
+    assert off[20] > 0.1 and off[30] == 0
+    times = "\n".join(as_json(pose, t=n / 30) for n, pose in enumerate(keypoints))
+    answers = objects(run(times, "--json", "--track", "t", "--fixed"))
+    assert [answer["status"] for answer in answers] == ["ok"] * len(keypoints)
+
+
+def test_two_people_in_fixed_point():
+    """Whom the detector lists in either order: each keeps the number that a float track gives."""
+    data = (ROOT / "tests" / "python" / "cases" / "two_people.jsonl").read_text()
+    plain, fixed = (
+        objects(run(data, "--json", "--track", "30", *more)) for more in ((), ("--fixed",))
+    )
+    people = [[answer["person"] for answer in answers] for answers in (plain, fixed)]
+    assert people[0] == people[1] and sorted(set(people[0])) == [0, 1]
+
+
+@pytest.mark.parametrize("setting", [("--smooth-image", "1,33"), ("--noise-full", "65")])
+def test_settings_out_of_the_range_of_integers(setting: tuple[str, str]):
+    result = run(GOOD, "--track", "30", "--fixed", *setting)
+    assert result.returncode == 2 and setting[0] in result.stderr.decode()
 
 
 # ---- The person ------------------------------------------------------------------------------

@@ -16,6 +16,7 @@
 #include "edmlift/body.h"
 #include "edmlift/camera.h"
 #include "edmlift/stages.h"
+#include "edmlift/video.h"
 #include "../support/fconv_tiny.h"
 #include "number/real_f32.h" /* its input, too, is the same with fused operations switched on */
 
@@ -99,10 +100,7 @@ static int lift_poses(const edml_model *model)
 }
 
 /* To Q16; what is out of range, its nearest end. */
-static int32_t fixed(float pixels)
-{
-    return pixels < 8192.0F ? (int32_t)(pixels * 65536.0F) : INT32_MAX;
-}
+static int32_t fixed(float pixels) { return pixels < 8192.0F ? (int32_t)(pixels * 65536.0F) : INT32_MAX; }
 
 static void hard_pose_q16(edml_keypoint_q in[EDML_JOINTS], int n)
 {
@@ -340,6 +338,72 @@ static int place_videos_q24(void)
     return followed;
 }
 
+/* A frame of a video: someone who walks by, is seen with some noise, and misses a joint at times; some frames
+ * have swapped legs, and some somebody else. */
+static uint32_t video_frame(edml_keypoint in[EDML_JOINTS], int n)
+{
+    static const int8_t x[] = {0, 0, -18, -25, -22, 18, 27, 24, -13, -15, -16, 13, 15, 17};
+    static const int8_t y[] = {-80, -56, -50, -23, -8, -50, -24, -12, 0, 42, 84, 0, 43, 85};
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const int from = n % 40 >= 35 && j >= EDML_R_HIP ? edml_mirror_joint[j] : j;
+        const int swings = (j - 7) * (n % 30 < 15 ? n % 15 : 15 - n % 15);
+        in[j].x = 300.0F + (float)(3 * n + 2 * x[from] + (n % 50 >= 48 ? 400 : 0)) + 4.0F * draw_float();
+        in[j].y = 400.0F + 2.0F * (float)y[from] + (float)swings / 8.0F + 4.0F * draw_float();
+        in[j].c = draw(16) == 0 ? 0.0F : 1.0F;
+    }
+    return (uint32_t)((n % 20 == 19 ? n - 1 : n) * 33 + n / 90 * 2000); /* some not later than the last */
+}
+
+static int track_poses(void)
+{
+    static edml_track track;
+    int lifted = 0;
+    edml_track_start(&track);
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint in[EDML_JOINTS];
+        edml_pose pose;
+        memset(&pose, 0, sizeof pose);
+        const uint32_t time = video_frame(in, n);
+        const float distance = edml_track_distance(&track, in, time);
+        const int8_t status = (int8_t)edml_track_lift(&pose, &track, in, time, NULL, &edml_distances_f32,
+                                                      &work, sizeof work);
+        add_bytes(&distance, sizeof distance);
+        add_bytes(&status, sizeof status);
+        add_bytes(&pose, sizeof pose);
+        add_bytes(&track.swapped, sizeof track.swapped);
+        lifted += status == EDML_OK;
+    }
+    return lifted;
+}
+
+static int track_poses_q24(void)
+{
+    static edml_track_q track;
+    int lifted = 0;
+    edml_track_start_q(&track);
+    for (int n = 0; n < POSES; n++) {
+        edml_keypoint image[EDML_JOINTS];
+        edml_keypoint_q in[EDML_JOINTS];
+        edml_pose_q pose;
+        memset(&pose, 0, sizeof pose);
+        const uint32_t time = video_frame(image, n);
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            in[j].x = fixed(image[j].x);
+            in[j].y = fixed(image[j].y);
+            in[j].c = image[j].c > 0 ? INT16_MAX : 0;
+        }
+        const int32_t distance = edml_track_distance_q(&track, in, time);
+        const int8_t status = (int8_t)edml_track_lift_q(&pose, &track, in, time, NULL, &edml_distances_w16,
+                                                        &work_q24, sizeof work_q24);
+        add_bytes(&distance, sizeof distance);
+        add_bytes(&status, sizeof status);
+        add_bytes(&pose, sizeof pose);
+        add_bytes(&track.swapped, sizeof track.swapped);
+        lifted += status == EDML_OK;
+    }
+    return lifted;
+}
+
 /* Entries of both signs, of one size. */
 static void decompose_matrices(void)
 {
@@ -426,10 +490,7 @@ static void report_of(const char *what, int count, int of, const char *done)
            (unsigned long)(hash & 0xFFFFFFFFU), count, of, done);
 }
 
-static void report(const char *what, int count, const char *done)
-{
-    report_of(what, count, POSES, done);
-}
+static void report(const char *what, int count, const char *done) { report_of(what, count, POSES, done); }
 
 static void report_lifts(const edml_model *f32, const edml_model *w16, const edml_model *w8)
 {
@@ -473,6 +534,10 @@ static void report_the_rest(void)
     report("float video", place_videos(), "placed");
     start();
     report("fixed video", place_videos_q24(), "placed");
+    start();
+    report("float", track_poses(), "tracked");
+    start();
+    report("fixed", track_poses_q24(), "tracked");
 }
 
 int main(void)

@@ -134,13 +134,13 @@ static edml_status call_stand(void) { return edml_stand(pointer[STOOD], pointer[
 
 static edml_status call_angles(void) { return edml_angles(pointer[DEGREES], pointer[POSE], pointer[UP]); }
 
-#ifndef EDML_TEST_Q24 /* in float alone */
-
 static edml_status call_track_lift(void)
 {
     return edml_track_lift(pointer[POSE], pointer[TRACK], pointer[IN], time_ms, pointer[UP], pointer[MODEL],
                            pointer[WORK], work_bytes);
 }
+
+#ifndef EDML_TEST_Q24 /* in float alone */
 
 static edml_status call_uncertainty(void) { return edml_uncertainty(pointer[MILLIMETRES], seen); }
 
@@ -173,8 +173,8 @@ static const function functions[] = {
     {"edml_reflect_by_joint_limits", call_reflect, {COUNT, POSE, NONE}},
     {"edml_stand", call_stand, {STOOD, POSE, NONE}},
     {"edml_angles", call_angles, {DEGREES, POSE, NONE}},
-#ifndef EDML_TEST_Q24
     {"edml_track_lift", call_track_lift, {POSE, TRACK, IN, MODEL, WORK, NONE}},
+#ifndef EDML_TEST_Q24
     {"edml_uncertainty", call_uncertainty, {MILLIMETRES, NONE}},
     {"edml_model_check", call_model_check, {MODEL, NONE}},
 #endif
@@ -487,6 +487,7 @@ static void up_is_no_number(void) { memory.up.x = NO_NUMBER; }
 
 #ifndef EDML_TEST_Q24
 static void model_is_damaged(void) { memory.model.checksum ^= 1; }
+#endif
 
 static void frame_comes_late(void)
 {
@@ -495,7 +496,6 @@ static void frame_comes_late(void)
 }
 
 static void track_was_not_started(void) { memset(&memory.track, 0, sizeof memory.track); }
-#endif
 
 static const struct {
     const char *name;
@@ -514,9 +514,7 @@ static const struct {
          {call_place, EDML_ERR_NOT_FINITE},
          {call_place_sweep, EDML_ERR_NOT_FINITE},
          {call_focal_add, EDML_ERR_NOT_FINITE},
-#ifndef EDML_TEST_Q24
          {call_track_lift, EDML_ERR_NOT_FINITE},
-#endif
      }},
     {"six joints seen",
      six_joints_seen,
@@ -527,8 +525,8 @@ static const struct {
          {call_place, EDML_ERR_TOO_FEW_JOINTS},
          {call_place_sweep, EDML_ERR_TOO_FEW_JOINTS},
          {call_focal_add, EDML_ERR_TOO_FEW_JOINTS},
-#ifndef EDML_TEST_Q24
          {call_track_lift, EDML_ERR_TOO_FEW_JOINTS},
+#ifndef EDML_TEST_Q24
          {call_uncertainty, EDML_ERR_TOO_FEW_JOINTS},
 #endif
      }},
@@ -541,9 +539,7 @@ static const struct {
          {call_place, EDML_ERR_DEGENERATE},
          {call_place_sweep, EDML_ERR_DEGENERATE},
          {call_focal_add, EDML_ERR_DEGENERATE},
-#ifndef EDML_TEST_Q24
          {call_track_lift, EDML_ERR_DEGENERATE},
-#endif
      }},
     {"an image that is a point", image_is_a_point, {{call_orient, EDML_ERR_DEGENERATE}}},
     {"an image without joints", image_has_no_joints, {{call_orient, EDML_ERR_DEGENERATE}}},
@@ -593,9 +589,7 @@ static const struct {
          {call_angles, EDML_ERR_DEGENERATE},
          {call_lift, EDML_ERR_DEGENERATE},
          {call_lift_with_camera, EDML_ERR_DEGENERATE},
-#ifndef EDML_TEST_Q24
          {call_track_lift, EDML_ERR_DEGENERATE},
-#endif
      }},
     {"up that is no number",
      up_is_no_number,
@@ -604,15 +598,13 @@ static const struct {
          {call_angles, EDML_ERR_NOT_FINITE},
          {call_lift, EDML_ERR_NOT_FINITE},
          {call_lift_with_camera, EDML_ERR_NOT_FINITE},
-#ifndef EDML_TEST_Q24
          {call_track_lift, EDML_ERR_NOT_FINITE},
-#endif
      }},
 #ifndef EDML_TEST_Q24
     {"a damaged model", model_is_damaged, {{call_model_check, EDML_ERR_MODEL}}},
+#endif
     {"a frame that comes late", frame_comes_late, {{call_track_lift, EDML_ERR_TIME}}},
     {"a track that was not started", track_was_not_started, {{call_track_lift, EDML_ERR_ARGUMENT}}},
-#endif
 };
 enum { FAULTS = sizeof faults / sizeof faults[0] };
 

@@ -1,8 +1,9 @@
-/* optional/video.c: video.
+/* optional/video.h: video.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "helpers.h"
+#include "q24.h"
 #include "network/model.h" /* to make models that take the wrong mirror image */
 
 enum { FRAME = 33 }; /* ms */
@@ -184,7 +185,7 @@ static void the_filter_is_the_papers(void)
     double missed = 0;
     uint32_t time = 0;
     start();
-    track.jitter_full = 0;
+    track.noise_full = 0;
     see_turned(0);
     TEST_ASSERT_EQUAL_INT(EDML_OK, run(time));
     other = track;
@@ -215,7 +216,7 @@ static double lag_of(float noise, float pixels)
     double sum = 0;
     rng r = rng_seed(74);
     start();
-    track.jitter_full = noise;
+    track.noise_full = noise;
     for (int n = 0; n < 60; n++) {
         see_turned(n);
         add_noise(&r, pixels);
@@ -227,15 +228,16 @@ static double lag_of(float noise, float pixels)
     return sum;
 }
 
-static void steady_keypoints_are_filtered_less(void)
+/* By what share of their steps is noise, however small the steps are. */
+static void motion_is_filtered_less_than_noise(void)
 {
     edml_track_start(&track);
-    const float noise = track.jitter_full;
-    const double steady = lag_of(noise, 0);
-    TEST_ASSERT_TRUE(track.jitter > 0 && track.jitter < noise / 2);
-    TEST_ASSERT_TRUE(steady < lag_of(0, 0) / 2);
-    const double noisy = lag_of(noise, 20);
-    TEST_ASSERT_TRUE(track.jitter > noise);
+    const float full = track.noise_full;
+    const double exact = lag_of(full, 0);
+    TEST_ASSERT_TRUE(track.jitter > 0 && track.jitter < full * track.image_step / 2);
+    TEST_ASSERT_TRUE(exact < lag_of(0, 0) / 4);
+    const double noisy = lag_of(full, 20);
+    TEST_ASSERT_TRUE(track.jitter > full * track.image_step);
     TEST_ASSERT_TRUE(noisy > 0.9 * lag_of(0, 20));
 }
 
@@ -246,8 +248,42 @@ static void motion_is_not_taken_for_noise(void)
     for (int n = 0; n < 60; n++) {
         see_turned(6 * n);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * 2 * FRAME));
-        TEST_ASSERT_TRUE(n < 15 || track.jitter < track.jitter_full / 20);
+        TEST_ASSERT_TRUE(n < 15 || track.jitter < track.noise_full * track.image_step / 3);
     }
+}
+
+/* Mean move of a joint in a frame, metres, and the largest, of somebody who stands still. */
+static double trembling(float pixels, double *worst)
+{
+    enum { FRAMES = 150, SETTLED = 30 };
+    double sum = 0;
+    rng r = rng_seed(76);
+    start();
+    *worst = 0;
+    for (int n = 0; n < FRAMES; n++) {
+        see_turned(0);
+        add_noise(&r, pixels);
+        before = pose;
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        for (int j = 0; j < EDML_JOINTS && n >= SETTLED; j++) {
+            const double move = distance_between(before.joint[j], pose.joint[j]);
+            sum += move / ((FRAMES - SETTLED) * EDML_JOINTS);
+            if (move > *worst) *worst = move;
+        }
+    }
+    return sum;
+}
+
+/* A half of a percent of the height in the image is much more in depth. */
+static void somebody_who_stands_still_does_not_tremble(void)
+{
+    double worst;
+    see_turned(0);
+    const float half_percent = 0.005F * (in[EDML_R_ANKLE].y - in[EDML_HEAD].y);
+    TEST_ASSERT_TRUE(half_percent > 0);
+    TEST_ASSERT_TRUE(trembling(half_percent, &worst) < 0.004);
+    TEST_ASSERT_TRUE(worst < 0.025);
+    TEST_ASSERT_TRUE(trembling(4 * half_percent, &worst) < 0.016);
 }
 
 static void without_filters_frames_are_as_lifted(void)
@@ -485,12 +521,77 @@ static void the_distance_is_huge_where_nothing_is_known(void)
     in[3].y = NAN;
     TEST_ASSERT_TRUE(edml_track_distance(&track, in, 9 * FRAME) == HUGE_VALF);
     for (int j = 0; j < EDML_JOINTS; j++) in[j].x = in[j].y = 0; /* a point has no size */
-    TEST_ASSERT_TRUE(edml_track_distance(&track, in, 9 * FRAME) == HUGE_VALF);
+    TEST_ASSERT_TRUE(edml_track_distance(&track, in, 9 * FRAME) == 64);
     for (int j = 0; j < EDML_JOINTS; j++) in[j].x = j % 2 ? 1e37F : -3e37F;
     TEST_ASSERT_TRUE(edml_track_distance(&track, in, 9 * FRAME) > 1);
     memcpy(in, whole, sizeof whole);
     for (int j = 0; j < EDML_JOINTS; j++) in[j].c = 0;
     TEST_ASSERT_TRUE(edml_track_distance(&track, in, 9 * FRAME) == HUGE_VALF);
+}
+
+/* ---- Another person ------------------------------------------------------------------------------- */
+
+/* Frames from `first` to before `end` show somebody 1.5 body sizes to the right, turned away. */
+static void see_one_of_two(int n, int first, int end)
+{
+    see_turned(n);
+    if (n < first || n >= end) return;
+    const float size = (float)size_in_image();
+    see_turned(n + 80);
+    shift(1.5F * size);
+}
+
+/* Frames of somebody else are lifted by themselves, and leave nothing behind. */
+static void another_person_for_a_moment_leaves_no_trace(void)
+{
+    for (int frames = 1; frames <= 3; frames++) {
+        start();
+        for (int n = 0; n < 40; n++) {
+            const int wrong = n >= 20 && n < 20 + frames;
+            see_one_of_two(n, 20, 20 + frames);
+            TEST_ASSERT_EQUAL_INT(wrong || n == 0,
+                                  edml_track_distance(&track, in, (uint32_t)n * FRAME) > 1);
+            TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+            TEST_ASSERT_EQUAL_UINT8(wrong, track.leapt);
+            TEST_ASSERT_EQUAL_INT(wrong || n == 0, track.elapsed == 0);
+            if (wrong)
+                TEST_ASSERT_EQUAL_INT(EDML_OK,
+                                      edml_lift(&again, in, NULL, &edml_direct_f32, &work, sizeof work));
+            else /* a track that does not see these frames */
+                TEST_ASSERT_EQUAL_INT(EDML_OK, run_other((uint32_t)n * FRAME));
+            TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
+        }
+        TEST_ASSERT_EQUAL_MEMORY(&other, &track, sizeof track);
+    }
+}
+
+static void another_person_who_stays_is_followed(void)
+{
+    start();
+    for (int n = 0; n < 40; n++) {
+        see_one_of_two(n, 20, 40);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
+        TEST_ASSERT_EQUAL_UINT8(n >= 20 && n <= 23, track.leapt);
+        if (n >= 23) { /* as a track that begins there */
+            TEST_ASSERT_EQUAL_INT(EDML_OK, run_other((uint32_t)n * FRAME));
+            TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
+            TEST_ASSERT_EQUAL_UINT32(n == 23 ? 0 : FRAME, track.elapsed);
+        }
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_TIME, run((uint32_t)n * FRAME));
+    }
+}
+
+/* At few frames a second, somebody who walks by is not taken for another. */
+static void a_walk_at_two_frames_a_second_is_no_leap(void)
+{
+    start();
+    see_turned(0);
+    const float size = (float)size_in_image();
+    for (uint32_t n = 0; n < 10; n++) {
+        TEST_ASSERT_EQUAL_INT(EDML_OK, run(n * 500));
+        TEST_ASSERT_EQUAL_UINT8(0, track.leapt);
+        shift(1.4F * size);
+    }
 }
 
 /* ---- Up ------------------------------------------------------------------------------------------ */
@@ -623,6 +724,85 @@ static void an_absurd_frame_is_got_over(void)
     }
 }
 
+/* ---- In integers --------------------------------------------------------------------------------- */
+
+static edml_track_q track_q;
+static edml_keypoint_q in_q[EDML_JOINTS];
+
+/* Sides are swapped, joints are missing, and another person comes by and stays for a while. */
+static void see_much(rng *r, int n)
+{
+    see_one_of_two(n, 40, 42);
+    if (n >= 60) shift(400);
+    add_noise(r, n % 40 < 20 ? 3 : 0);
+    if (n >= 20 && n < 24) swap_detected(EDML_R_HIP);
+    if (n >= 22 && n < 25) swap_detected(EDML_R_SHOULDER);
+    if (n >= 30 && n < 45) in[EDML_L_WRIST].c = in[EDML_R_ANKLE].c = 0;
+}
+
+static int same_reports(void)
+{
+    return track.held == track_q.held && track.swapped == track_q.swapped &&
+           track.mirrored == track_q.mirrored && track.leapt == track_q.leapt &&
+           track.elapsed == track_q.elapsed && track.aside == track_q.aside;
+}
+
+static void integers_track_as_floats_do(void)
+{
+    static edml_work_q work_q;
+    edml_pose_q pose_q, expected;
+    rng r = rng_seed(77);
+    start();
+    edml_track_start_q(&track_q);
+    for (int n = 0; n < 100; n++) {
+        const uint32_t time = (uint32_t)n * FRAME;
+        see_much(&r, n);
+        to_q16(in_q, in);
+        const float distance = edml_track_distance(&track, in, time);
+        const int32_t distance_q = edml_track_distance_q(&track_q, in_q, time);
+        TEST_ASSERT_EQUAL_INT(n == 0, distance == HUGE_VALF);
+        TEST_ASSERT_EQUAL_INT(n == 0, distance_q == INT32_MAX);
+        if (n > 0) TEST_ASSERT_FLOAT_WITHIN(0.001F, distance, (float)distance_q / 65536);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_track_lift(&pose, &track, in, time, NULL, &edml_distances_w16,
+                                                       &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_track_lift_q(&pose_q, &track_q, in_q, time, NULL,
+                                                         &edml_distances_w16, &work_q, sizeof work_q));
+        TEST_ASSERT_TRUE(same_reports());
+        TEST_ASSERT_EQUAL_UINT16(pose.seen, pose_q.seen);
+        pose_to_q16(&expected, &pose);
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            TEST_ASSERT_INT32_WITHIN(65536 / 200, expected.joint[j].x, pose_q.joint[j].x);
+            TEST_ASSERT_INT32_WITHIN(65536 / 200, expected.joint[j].y, pose_q.joint[j].y);
+            TEST_ASSERT_INT32_WITHIN(65536 / 200, expected.joint[j].z, pose_q.joint[j].z);
+        }
+        edml_track_swap_sides(in, &track);
+        edml_track_swap_sides_q(in_q, &track_q);
+        for (int j = 0; j < EDML_JOINTS; j++)
+            TEST_ASSERT_FLOAT_WITHIN(0.001F, in[j].x, (float)in_q[j].x / 65536);
+    }
+}
+
+static void settings_in_integers_have_ranges(void)
+{
+    static edml_work_q work_q;
+    static const edml_smoothing_q bad[] = {{0, 1}, {-1, 1}, {65536, -1}, {65536, 32 * 65536 + 1}};
+    edml_pose_q pose_q;
+    see_turned(0);
+    to_q16(in_q, in);
+    for (int n = 0; n < 8; n++) {
+        edml_track_start_q(&track_q);
+        *(n % 2 ? &track_q.smooth_image : &track_q.smooth_space) = bad[n / 2];
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
+                              edml_track_lift_q(&pose_q, &track_q, in_q, 0, NULL, &edml_distances_w16,
+                                                &work_q, sizeof work_q));
+    }
+    edml_track_start_q(&track_q);
+    track_q.noise_full = 64 * 65536 + 1;
+    TEST_ASSERT_EQUAL_INT(
+        EDML_ERR_ARGUMENT,
+        edml_track_lift_q(&pose_q, &track_q, in_q, 0, NULL, &edml_distances_w16, &work_q, sizeof work_q));
+}
+
 static void a_track_that_was_not_started_and_bad_settings_are_refused(void)
 {
     static const edml_smoothing bad[] = {{0, 1}, {-1, 1}, {NAN, 1}, {1, -1}, {1, NAN}, {1, INFINITY}};
@@ -640,7 +820,7 @@ static void a_track_that_was_not_started_and_bad_settings_are_refused(void)
         TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
     }
     start();
-    track.jitter_full = -1;
+    track.noise_full = -1;
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
     start();
     TEST_ASSERT_EQUAL_INT(EDML_OK, run(0));
@@ -654,8 +834,9 @@ int main(void)
     RUN_TEST(the_image_may_be_of_any_size);
     RUN_TEST(noise_is_more_than_halved);
     RUN_TEST(the_filter_is_the_papers);
-    RUN_TEST(steady_keypoints_are_filtered_less);
+    RUN_TEST(motion_is_filtered_less_than_noise);
     RUN_TEST(motion_is_not_taken_for_noise);
+    RUN_TEST(somebody_who_stands_still_does_not_tremble);
     RUN_TEST(without_filters_frames_are_as_lifted);
     RUN_TEST(swaps_are_undone);
     RUN_TEST(a_turn_is_not_undone);
@@ -668,6 +849,9 @@ int main(void)
     RUN_TEST(the_distance_forgives_what_detectors_do);
     RUN_TEST(the_distance_is_from_where_joints_are_expected);
     RUN_TEST(the_distance_is_huge_where_nothing_is_known);
+    RUN_TEST(another_person_for_a_moment_leaves_no_trace);
+    RUN_TEST(another_person_who_stays_is_followed);
+    RUN_TEST(a_walk_at_two_frames_a_second_is_no_leap);
     RUN_TEST(up_goes_to_the_lift);
     RUN_TEST(bad_up_leaves_no_trace);
     RUN_TEST(time_does_not_run_backwards);
@@ -676,5 +860,7 @@ int main(void)
     RUN_TEST(bad_frames_leave_no_trace);
     RUN_TEST(an_absurd_frame_is_got_over);
     RUN_TEST(a_track_that_was_not_started_and_bad_settings_are_refused);
+    RUN_TEST(integers_track_as_floats_do);
+    RUN_TEST(settings_in_integers_have_ranges);
     return UNITY_END();
 }

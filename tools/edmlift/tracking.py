@@ -13,6 +13,7 @@ from edmlift.mistakes import wrong_unit_of_time
 from edmlift.networks import Model, find_model
 
 MEASURED_POSES = 60  # EDML_MEASURED_POSES
+_MAX_FLOAT = float(np.finfo(np.float32).max)
 _ARMS, _LEGS = 1, 2  # EDML_SWAPPED_ARMS, EDML_SWAPPED_LEGS
 
 
@@ -35,9 +36,11 @@ class Track:
             pose = track.lift(keypoints, time_ms)
 
     model, format, threshold, image and mirrored are as in `lift`.  smooth_image and smooth_space
-    are (cutoff in Hz, slope) of the one-euro filters of keypoints and poses, by default as
-    measured; jitter_full is the jitter of keypoints, in body sizes, at and above which these
-    filters act in full (0: always).  docs/video.md has what they give.
+    are (cutoff in Hz, slope) of the one-euro filters of keypoints (Hz per body size a second) and
+    of poses (Hz per m/s), by default as measured; an infinite cutoff filters nothing.  noise_full
+    is the share of noise at and above which the filters act in full; 0: always, and as the paper
+    has them.  docs/video.md has what they give.  ValueError: a cutoff that is not over 0, a slope
+    that is negative or not finite, or noise_full out of 0 to 64.
 
     hold_bones  so many poses, 60 at most, measure the person's bones, whose lengths all poses then
                 have (docs/body.md); 0: bones are as long as each pose has them
@@ -53,18 +56,12 @@ class Track:
         mirrored: bool = False,
         smooth_image: tuple[float, float] | None = None,
         smooth_space: tuple[float, float] | None = None,
-        jitter_full: float | None = None,
+        noise_full: float | None = None,
         hold_bones: int = MEASURED_POSES,
     ):
         self._frames = TrackedFrames(find_model(model))
         self._given = (format, threshold, image, mirrored)
-        state = self._frames.state
-        if smooth_image is not None:
-            state["smooth_image"] = smooth_image
-        if smooth_space is not None:
-            state["smooth_space"] = smooth_space
-        if jitter_full is not None:
-            state["jitter_full"] = jitter_full
+        _set(self._frames, smooth_image, smooth_space, noise_full)
         self._hold_bones, self._measured = checked_count(hold_bones), unmeasured()
 
     def lift(
@@ -75,8 +72,8 @@ class Track:
         time_ms  milliseconds by any clock, ascending
         up       as in `lift`
 
-        Statuses besides those of `edmlift.lift`: "time" (not later than the frame before, or by
-        more than 24 days) and "argument" (settings out of range); the track is then as before.
+        Status besides those of `edmlift.lift`: "time" (not later than the frame before, or by
+        more than 24 days); the track is then as before.
         """
         joints, single = read_joints(keypoints, *self._given)
         times = np.atleast_1d(np.asarray(time_ms))
@@ -108,11 +105,14 @@ def track(
     threshold: float | None = None,
     image: tuple[float, float] | None = None,
     mirrored: bool = False,
+    smooth_image: tuple[float, float] | None = None,
+    smooth_space: tuple[float, float] | None = None,
+    noise_full: float | None = None,
     hold_bones: int = MEASURED_POSES,
 ) -> Tracked:
     """Lifts a whole video of one person: keypoints [F,K,2 or 3], as in `lift`, at so many frames a
-    second or at times [F] in milliseconds.  hold_bones is as in `Track`, which takes the frames as
-    they come, and settings."""
+    second or at times [F] in milliseconds.  `Track` takes the frames as they come; the settings
+    are its own."""
     if (fps is None) == (time_ms is None):
         raise ValueError("track() takes either fps= or time_ms=")
     if fps is not None:
@@ -122,7 +122,9 @@ def track(
         raise ValueError("track() takes frames [F,K,2] or [F,K,3], not one; Track takes one")
     times = np.asarray(time_ms) if fps is None else frame_times(fps, len(joints))
     directions = read_up(up, len(joints))
-    tracked = TrackedFrames(find_model(model)).lift(joints, times, directions)
+    frames = TrackedFrames(find_model(model))
+    _set(frames, smooth_image, smooth_space, noise_full)
+    tracked = frames.lift(joints, times, directions)
     seen, _ = read_keypoints(keypoints, format, threshold, image)
     warnings = run_warnings(tracked, seen, format)
     held = with_bones(tracked, checked_count(hold_bones), unmeasured())
@@ -149,6 +151,29 @@ def with_bones(tracked: Tracked, frames: int, measured: NDArray[np.void]) -> Tra
         return tracked
     held = give_measured(load(), tracked, tracked.elapsed == 0, frames, measured)
     return replace(tracked, joints=held.joints)
+
+
+def _set(
+    frames: "TrackedFrames",
+    smooth_image: tuple[float, float] | None,
+    smooth_space: tuple[float, float] | None,
+    noise_full: float | None,
+) -> None:
+    """Settings that are given, checked as edml_track_lift() does."""
+    for name, pair in (("smooth_image", smooth_image), ("smooth_space", smooth_space)):
+        if pair is None:
+            continue
+        cutoff, slope = pair
+        if not (cutoff > 0 and 0 <= slope <= _MAX_FLOAT):
+            raise ValueError(
+                f"{name} must be a cutoff over 0 and a finite slope of 0 or more, not {pair}"
+            )
+        frames.state[name] = (cutoff, slope)
+    if noise_full is None:
+        return
+    if not 0 <= noise_full <= 64:
+        raise ValueError(f"noise_full must be 0 to 64, not {noise_full}")
+    frames.state["noise_full"] = noise_full
 
 
 # ---- For the library, unchecked ----------------------------------------------------------------

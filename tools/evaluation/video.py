@@ -1,7 +1,7 @@
 """What a track makes of a video.
 
     evaluate.py video MOTION [--fps 30] [--model distances_f32] [--update docs/video.md --name NAME]
-    evaluate.py video MOTION --jitter-full 0    # with filters that always act in full
+    evaluate.py video MOTION --noise-full 0    # with filters that always act in full
 
 MOTION is an .npz, whose clips are the frames that follow one another within 0.2 s, or a folder of
 motion capture, read at --fps frames a second.  A clip is seen by four fixed cameras, exactly (gt)
@@ -230,16 +230,16 @@ def summarise(parts: list[tuple[dict, np.ndarray]], subject: np.ndarray) -> dict
     return figures
 
 
-def track(library: Library, view: View, clip: Clip, jitter_full: float | None) -> Tracked:
-    """The frames through a track, whose setting `jitter_full` may be another one."""
+def track(library: Library, view: View, clip: Clip, noise_full: float | None) -> Tracked:
+    """The frames through a track, whose setting `noise_full` may be another one."""
     follower = library.track()
-    if jitter_full is not None:
-        follower.state["jitter_full"] = jitter_full
+    if noise_full is not None:
+        follower.state["noise_full"] = noise_full
     return follower.lift(view.keypoints, clip.time)
 
 
 def evaluate(
-    library: Library, clips: list[Clip], seed: int = SEED, jitter_full: float | None = None
+    library: Library, clips: list[Clip], seed: int = SEED, noise_full: float | None = None
 ) -> dict[str, dict]:
     """Figures of each kind of detections: {column: {"alone": .., "tracked": .., count: ..}}."""
     rng = np.random.default_rng(seed)
@@ -250,7 +250,7 @@ def evaluate(
         alone, tracked, counts = [], [], []
         for clip, view in zip(clips, seen, strict=True):
             alone.append(measure(library.lift(view[name].keypoints), clip))
-            poses = track(library, view[name], clip, jitter_full)
+            poses = track(library, view[name], clip, noise_full)
             tracked.append(measure(poses, clip))
             counts.append(swaps(poses, view[name]))
         result[name] = {
@@ -296,7 +296,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("motion", type=Path, help=".npz or folder of motion capture")
     parser.add_argument("--fps", type=float, default=30.0, help="of a folder (default: 30)")
     parser.add_argument("--model", default="distances_f32", help="(%(default)s)")
-    parser.add_argument("--jitter-full", type=float, help="edml_track's, instead of its default")
+    parser.add_argument("--noise-full", type=float, help="edml_track's, instead of its default")
     parser.add_argument("--name", default="video", help="of the marks (%(default)s)")
 
 
@@ -305,7 +305,7 @@ def tables(args: argparse.Namespace) -> Tables:
     clips = cut(motion, np.random.default_rng(SEED))
     if not clips:
         raise ValueError(f"{args.motion}: no {SHORTEST} frames in a row")
-    return {args.name: report(evaluate(library, clips, jitter_full=args.jitter_full), clips)}
+    return {args.name: report(evaluate(library, clips, noise_full=args.noise_full), clips)}
 
 
 EVALUATION = Evaluation(__doc__, tables, options)

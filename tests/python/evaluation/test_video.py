@@ -6,7 +6,7 @@ from support import ROOT, TEST, need_motion
 
 from data import cameras
 from data.mocap import Motion, save_motion
-from edmlift import Track
+from edmlift import Track, track
 from edmlift.joints import INDEX, MIRROR, mid_hip
 from edmlift.library import TRACK, Poses, Tracked
 from evaluation import cli, video
@@ -17,14 +17,13 @@ WALK = np.loadtxt(ROOT / "examples" / "data" / "walk.csv", delimiter=",").reshap
 TIMES = np.arange(len(WALK)) * 33
 
 
-def test_the_jitter_at_which_filters_act_in_full_can_be_set(library):
+def test_the_noise_at_which_filters_act_in_full_can_be_set(library):
     """Exact keypoints are filtered less, unless the filters always act in full."""
     view = video.View(WALK, np.zeros((len(WALK), 2), bool))
     clip = video.Clip(WALK, TIMES, 1)
     alone = library.lift(WALK).joints
     own, full = (
-        np.abs(video.track(library, view, clip, jitter).joints - alone).mean()
-        for jitter in (None, 0)
+        np.abs(video.track(library, view, clip, noise).joints - alone).mean() for noise in (None, 0)
     )
     assert own < full / 2
 
@@ -69,10 +68,37 @@ def test_settings_are_the_tracks(library):
     assert np.abs(steady - lifted).max() > 1e-3
 
 
+@pytest.mark.parametrize(
+    "setting",
+    [{"smooth_image": (0, 1)}, {"smooth_space": (1, np.inf)}, {"smooth_space": (np.nan, 1)},
+     {"noise_full": -1}, {"noise_full": np.nan}, {"noise_full": 1e39}],
+)  # fmt: skip
+def test_bad_settings(setting):
+    (name,) = setting
+    for make in (Track, lambda **given: track(WALK, fps=30, **given)):
+        with pytest.raises(ValueError, match=name):
+            make(**setting)
+
+
 def test_calls_continue_the_track(library):
     track = library.track()
     halves = [track.lift(WALK[part], TIMES[part]).joints for part in (slice(20), slice(20, None))]
     np.testing.assert_array_equal(np.concatenate(halves), library.track().lift(WALK, TIMES).joints)
+
+
+@pytest.mark.parametrize("limbs", [[True, False], [False, True], [True, True]])
+@pytest.mark.parametrize("pixels", [0, 2])
+def test_sides_that_are_swapped_for_half_a_second_stay_right(library, limbs, pixels):
+    """As without the swap, whenever it comes; at the start the track must learn the sides."""
+    keypoints = WALK.copy()
+    keypoints[..., :2] += pixels * np.random.default_rng(8).normal(size=(*WALK.shape[:2], 2))
+    clean = library.track().lift(keypoints, TIMES)
+    for first in range(11, 19):
+        swapped = np.zeros((len(WALK), 2), bool)
+        swapped[first : first + 15] = limbs
+        tracked = library.track().lift(video.swap(keypoints, swapped), TIMES)
+        np.testing.assert_array_equal(tracked.swapped, swapped)
+        np.testing.assert_array_equal(tracked.joints, clean.joints)
 
 
 def test_the_distance_tells_a_persons_next_frame_from_another_person():
@@ -169,9 +195,7 @@ def test_swaps_are_counted(clip):
     said = wrong.copy()
     said[0, 0] ^= True
     no = np.zeros(200)
-    tracked = Tracked(
-        **vars(Poses.of(swing(200))), held=no, swapped=said, mirrored=no, elapsed=no
-    )
+    tracked = Tracked(**vars(Poses.of(swing(200))), held=no, swapped=said, mirrored=no, elapsed=no)
     counts = video.swaps(tracked, views["swapped"])
     assert counts["missed"] + counts["false"] == 1
     assert counts["found"] + counts["missed"] == wrong.sum()
@@ -222,9 +246,7 @@ def test_what_must_hold_of_a_detectors_keypoints(name):
     assert all(tracked >= alone - 0.75 for alone, tracked in pairs("mirror right, %")[1:])
 
 
-@pytest.mark.parametrize(
-    "name, source", [("video15", TEST), ("video30", "cmu_raw/subjects/02")]
-)
+@pytest.mark.parametrize("name, source", [("video15", TEST), ("video30", "cmu_raw/subjects/02")])
 def test_the_table_is_what_is_measured(name, source, library):
     motion = video.load_video(need_motion(source), 30)
     clips = video.cut(motion, np.random.default_rng(video.SEED))

@@ -536,11 +536,12 @@ def test_what_a_track_reports():
 
 
 def test_settings_and_formats_of_a_track():
-    loose = edmlift.Track(jitter_full=0)
-    assert np.abs(loose.lift(WALK, np.arange(39) * 33).joints - edmlift.lift(WALK).joints).max() > 0
+    full = edmlift.Track(noise_full=0)
+    assert np.abs(full.lift(WALK, np.arange(39) * 33).joints - edmlift.lift(WALK).joints).max() > 0
     track = edmlift.Track(format="coco17", threshold=0.1)
     assert track.lift(coco17()[0], 0).status == "ok"
-    assert edmlift.Track(smooth_image=(-1, 0)).lift(WALK[0], 0).status == "argument"
+    with pytest.raises(ValueError, match="smooth_image must be"):
+        edmlift.Track(smooth_image=(-1, 0))
 
 
 def test_a_video_without_times():

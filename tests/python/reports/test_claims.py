@@ -19,7 +19,7 @@ from evaluation import forms as number_forms
 from evaluation.measures import evaluate, rounded
 from experiments import rivals
 from export import cli
-from reports import markdown, operations, size
+from reports import markdown, operations, size, video
 from reports.targets import TARGETS, compile_library, run
 
 pytestmark = pytest.mark.xdist_group("claims")  # the fixtures are measured once
@@ -247,6 +247,15 @@ def test_all_of_the_flash_is_told(tmp_path):
     flash = int(listing[1].split()[0])
     assert 0 <= flash - cost.code - cost.weights <= 200
     assert 0 < cost.helpers < cost.code
+
+
+def test_what_a_track_costs():
+    for core in video.CORES:
+        need_core(TARGETS[core])
+    costs = [video.measure(TARGETS[core], variant) for core, variant in video.CORES.items()]
+    video.check(costs)
+    with pytest.raises(size.Disagreement, match="code: written"):
+        video.check([dataclasses.replace(costs[0], code=costs[0].code + 1), *costs[1:]])
 
 
 def test_a_wrong_figure_is_found():

@@ -6,30 +6,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "counter.h"
 #include "stages.h"
 
-enum { PAINT_BYTES = 3072, PAINT = 0xA5 };
+#include "measure.h"
 
 STAGE nothing(void) {}
-
-static uint32_t counts(void (*run)(void))
-{
-    start_counter();
-    run();
-    return read_counter();
-}
-
-/* Paints the memory below the stack pointer, runs, and looks how far the paint is gone. */
-static __attribute__((noinline)) int stack_bytes(void (*run)(void))
-{
-    volatile uint8_t *const top = stack_pointer();
-    for (int n = 1; n <= PAINT_BYTES; n++) top[-n] = PAINT;
-    run();
-    int untouched = PAINT_BYTES;
-    while (untouched > 0 && top[-untouched] == PAINT) untouched--;
-    return untouched;
-}
 
 int main(void)
 {

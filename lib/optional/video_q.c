@@ -1,0 +1,4 @@
+/* SPDX-License-Identifier: MIT */
+#include "../api/api_q.h"
+
+#include "video.h"

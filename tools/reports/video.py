@@ -1,0 +1,119 @@
+"""What a track costs on a microcontroller beside the lift: flash, stack, instructions, as Markdown.
+
+    run.py reports.video            prints a row a core
+    run.py reports.video --update   writes the table of docs/video.md
+    run.py reports.video --check    compares it: sizes exactly, instructions within 3 %
+
+Compiled and counted as by reports.size.
+"""
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass
+from pathlib import Path
+
+from data.paths import DOCS
+from reports import markdown
+from reports.size import BENCH, LEVEL, SLACK, Disagreement, flash_sizes, options_of, to_table
+from reports.targets import (
+    SMALL_SOURCES,
+    TARGETS,
+    Target,
+    ToolError,
+    build,
+    compile_library,
+    count,
+)
+
+PAGE, NAME = DOCS / "video.md", "video_costs"
+MODEL = "direct"
+CORES = {  # and the arithmetic that suits each
+    "cortex-m0plus": "fixed",
+    "cortex-m3": "fixed",
+    "cortex-m4f": "w16",
+}
+HEAD = ["core", "call", "code", "stack", "a lift", "a frame"]
+UNITS = ["", "", "bytes", "bytes", "instr.", "instr."]
+COUNTED = 4  # the first column of instructions
+
+
+@dataclass(frozen=True)
+class Cost:
+    """A row: what edml_track_lift() takes more than the lift; then instructions."""
+
+    core: str
+    call: str
+    code: int
+    stack: int
+    lift: int
+    frame: int  # the lift in it
+
+
+def measure(target: Target, variant: str) -> Cost:
+    """The costs of a frame on a core."""
+    options = options_of(MODEL, variant)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        library = compile_library(target, LEVEL, folder, SMALL_SOURCES)
+        code = []
+        for program in ("smallest.c", "smallest_video.c"):
+            link_map = folder / f"{program}.map"
+            build(
+                BENCH / program, target, LEVEL, folder / "smallest.elf", *options, "-nostartfiles",
+                f"-Wl,--entry=main,-Map={link_map}", library=library,
+            )  # fmt: skip
+            code.append(flash_sizes(link_map.read_text())["code"])
+        bench = build(
+            BENCH / "video.c", target, LEVEL, folder / "bench.elf", *options,
+            f"-DCOUNTS_PER_1000={target.counts}", library=library,
+        )  # fmt: skip
+        figures = [line.split() for line in count(bench, target).splitlines()]
+    (_, lift, lift_stack), (_, frame, frame_stack) = figures
+    call = f"`edml_track_lift{'_q' if variant == 'fixed' else ''}`"
+    stack = int(frame_stack) - int(lift_stack)
+    return Cost(target.name, call, code[1] - code[0], stack, int(lift), int(frame))
+
+
+def table(costs: list[Cost]) -> str:
+    """The table of docs/video.md."""
+    return to_table(HEAD, [[*UNITS], *(list(astuple(cost)) for cost in costs)])
+
+
+def check(costs: list[Cost]) -> None:
+    """Raises Disagreement where a figure on the page is not what was measured."""
+    rows = markdown.read(PAGE, NAME).strip().splitlines()[3:]
+    if len(rows) != len(costs):
+        raise Disagreement("number of rows")
+    for row, cost in zip(rows, costs, strict=True):
+        cells = [cell.strip().replace(",", "") for cell in row.strip("|").split("|")]
+        for n, (old, new) in enumerate(zip(cells, astuple(cost), strict=True)):
+            near = n >= COUNTED and abs(int(old) - new) <= SLACK * new
+            if old != str(new) and not near:
+                raise Disagreement(f"{cost.core}, {HEAD[n]}: written {old}, measured {new}")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    action = parser.add_mutually_exclusive_group()
+    action.add_argument("--update", action="store_true", help="write the table of docs/video.md")
+    action.add_argument("--check", action="store_true", help="compare it")
+    options = parser.parse_args(arguments)
+    try:
+        costs = [measure(TARGETS[core], variant) for core, variant in CORES.items()]
+        print(table(costs))
+        if options.update:
+            markdown.write(PAGE, NAME, table(costs))
+        if options.check:
+            check(costs)
+    except (ToolError, Disagreement) as error:
+        print(f"reports.video: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
