@@ -39,7 +39,7 @@ static const char usage[] =
     "--track, not later than the one before).  A line that is not a pose has bad_line.  Warnings of\n"
     "likely mistakes follow on standard error at the end.\n"
     "\n";
-static const char usage_of_options[] = /* apart, because compilers need not take over 4095 characters */
+static const char usage_of_options[] =
     "  --format NAME   keypoints of a detector, such as coco17; --list-formats has all\n"
     "  --image W,H     size of the image in pixels: keypoints outside are not seen.  --focal needs it,\n"
     "                  and so do blazepose33 and movenet17, whose keypoints are shares of it\n"

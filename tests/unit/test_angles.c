@@ -489,7 +489,7 @@ static void an_angle_needs_its_joints_and_no_others(void)
         someone(&r);
         measure(NULL);
         memcpy(whole, found, sizeof whole);
-        pose.seen = n < EDML_JOINTS ? (uint16_t)(ALL_SEEN & ~BIT(n)) : (uint16_t)(rng_bits(&r) & ALL_SEEN);
+        pose.seen = (uint16_t)(n < EDML_JOINTS ? ALL_SEEN & ~BIT(n) : rng_bits(&r) & ALL_SEEN);
         measure(NULL);
         for (int k = 0; k < EDML_ANGLES; k++) {
             if ((pose.seen & needed_by(k)) != needed_by(k))
