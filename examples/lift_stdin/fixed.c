@@ -78,7 +78,8 @@ static edml_status place_frame_q(edml_placement_q *placed, edml_camera_q *found,
 }
 
 static edml_status place_still(edml_placement_q *placed, edml_camera_q *camera, const edml_pose_q *pose,
-                               const edml_keypoint_q in[], const options *set, void *work, size_t work_bytes)
+                               const edml_keypoint_q in[], const options *set, void *work,
+                               size_t work_bytes)
 {
     *camera = camera_of(set);
     return set->sweep ? edml_place_sweep_q(placed, camera, pose, in, to_fixed(set->width),
@@ -93,9 +94,9 @@ static void place_fixed(answer *out, person_track *by, const edml_pose_q *pose, 
     edml_camera_q camera;
     edml_placement_q placed;
     edml_placement placement;
-    const edml_status status =
-        by != NULL ? place_frame_q(&placed, &camera, &by->fixed, pose, in, ms, set, work, work_bytes)
-                   : place_still(&placed, &camera, pose, in, set, work, work_bytes);
+    const edml_status status = by != NULL ? place_frame_q(&placed, &camera, &by->fixed, pose, in, ms, set,
+                                                          work, work_bytes)
+                                          : place_still(&placed, &camera, pose, in, set, work, work_bytes);
     if (status == EDML_OK) {
         for (int j = 0; j < EDML_JOINTS; j++) placement.joint[j] = point_of(placed.joint[j]);
         placement.translation = point_of(placed.translation);
@@ -151,15 +152,15 @@ float distance_fixed(const edml_track_q *track, const edml_keypoint joints[EDML_
     return distance < INT32_MAX ? to_float(distance) : HUGE_VALF;
 }
 
-static edml_status lift_frame(edml_pose_q *pose, edml_keypoint_q in[EDML_JOINTS], double ms,
-                              followed_q *by, const options *set, void *work, size_t work_bytes)
+static edml_status lift_frame(edml_pose_q *pose, edml_keypoint_q in[EDML_JOINTS], double ms, followed_q *by,
+                              const options *set, void *work, size_t work_bytes)
 {
     const edml_point_q up = {to_fixed(set->up.x), to_fixed(set->up.y), to_fixed(set->up.z)};
-    const edml_status status = edml_track_lift_q(pose, &by->track, in, clock_of(ms), knows_up(set) ? &up : NULL,
-                                                 set->model, work, work_bytes);
+    const edml_status status = edml_track_lift_q(pose, &by->track, in, clock_of(ms),
+                                                 knows_up(set) ? &up : NULL, set->model, work, work_bytes);
     if (status != EDML_OK) return status;
     edml_track_swap_sides_q(in, &by->track);
-    if (by->track.elapsed == 0) {
+    if (by->track.elapsed == 0 && by->track.aside == 0) {
         edml_measure_start_q(&by->bones);
         edml_path_start_q(&by->path);
     }
@@ -193,6 +194,7 @@ edml_status lift_fixed(answer *out, edml_keypoint joints[EDML_JOINTS], const edm
     const edml_body_q body = {to_fixed(set->body.height), {0}};
     if (set->body.height > 0) status = edml_fit_body_q(&lifted, &body);
     if (status != EDML_OK) return status;
+    if (by != NULL && by->fixed.track.aside > 0) by = NULL; /* somebody else, for a moment */
     if (by != NULL) hold_bones_q(&lifted, &by->fixed, set);
     for (int j = 0; j < EDML_JOINTS; j++) out->pose.joint[j] = point_of(lifted.joint[j]);
     out->pose.misfit = to_float(lifted.misfit);

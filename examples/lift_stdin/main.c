@@ -62,7 +62,7 @@ static edml_status lift_frame(edml_pose *pose, const edml_keypoint in[EDML_JOINT
     const edml_status status = edml_track_lift(pose, &by->track, in, clock_of(ms),
                                                knows_up(set) ? &set->up : NULL, set->model, &work,
                                                sizeof work);
-    if (status == EDML_OK && by->track.elapsed == 0) start_person(by);
+    if (status == EDML_OK && by->track.elapsed == 0 && by->track.aside == 0) start_person(by);
     return status;
 }
 
@@ -124,6 +124,7 @@ static edml_status lift(answer *out, edml_keypoint joints[EDML_JOINTS], double m
         out->quality = 0; /* a joint beyond 4 m, which only a float network can give */
     if (set->body.height > 0) status = edml_fit_body(&out->pose, &set->body);
     if (status != EDML_OK) return status;
+    if (by != NULL && by->track.aside > 0) by = NULL; /* somebody else, for a moment */
     if (by != NULL) hold_bones(&out->pose, by, set);
     if (places(set) && by != NULL)
         place_frame(out, by, joints, clock_of(ms), set, &work, sizeof work);

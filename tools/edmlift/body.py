@@ -74,17 +74,23 @@ def fit_joints(
 
 
 def give_measured(
-    c: ctypes.CDLL, poses: Poses, starts: NDArray[np.bool_], frames: int, measured: NDArray[np.void]
+    c: ctypes.CDLL,
+    poses: Poses,
+    starts: NDArray[np.bool_],
+    own: NDArray[np.bool_],
+    frames: int,
+    measured: NDArray[np.void],
 ) -> Poses:
     """The poses of a video [F] with the bones of the first `frames` of them, or of as many as there
-    were, by edml_measure_body() and edml_fit_body(); measured anew where one starts [F].
+    were, by edml_measure_body() and edml_fit_body(); measured anew where one starts [F].  Frames
+    that are not the person's own [F] are as they were.
 
     measured  the state, MEASURED_BODY [1], which goes on from call to call
     """
     fitted, ok = c_poses(poses), poses.ok
     state = pointer(measured)
     for i, (pose,) in enumerate(pointers(fitted)):
-        if not ok[i]:
+        if not (ok[i] and own[i]):
             continue
         if starts[i]:
             c.edml_measure_start(state)

@@ -122,20 +122,21 @@ class PlacedTrack:
         """Placements on the path."""
         camera = np.full(4, np.nan, np.float32) if self._camera is None else self._camera
         placed = place_joints(self._model, given, camera)
-        return self._filter(placed, given.ok, given.elapsed)
+        return self._filter(placed, given.ok & ~given.aside, given.elapsed)
 
     def _filter(
-        self, placed: Placements, lifted: NDArray[np.bool_], elapsed: NDArray[np.uint32]
+        self, placed: Placements, own: NDArray[np.bool_], elapsed: NDArray[np.uint32]
     ) -> Placements:
-        """Placements [F] with their path filtered; frames that were lifted have a time."""
+        """Placements [F] with their path filtered; the person's own frames have a time."""
         c, path = self._model.c, pointer(self._path)
         records = np.zeros(len(placed.joints), PLACEMENT)
         records["joint"], records["translation"] = placed.joints, placed.translation
         for i, (record,) in enumerate(pointers(records)):
-            if lifted[i]:
-                self._time += int(elapsed[i])
-                if elapsed[i] == 0:
-                    c.edml_path_start(path)
+            if not own[i]:
+                continue
+            self._time += int(elapsed[i])
+            if elapsed[i] == 0:
+                c.edml_path_start(path)
             if placed.status[i] == "ok":
                 c.edml_path_follow(path, record, self._time & 0xFFFFFFFF)
         return replace(placed, joints=records["joint"], translation=records["translation"])

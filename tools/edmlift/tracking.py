@@ -25,7 +25,8 @@ class Tracked(Poses):
     held: NDArray[np.bool_]  # [F,14] not seen in this frame, but lately
     swapped: NDArray[np.bool_]  # [F,2] the detector had swapped right and left arm; leg
     mirrored: NDArray[np.bool_]  # [F] not the mirror image that this frame alone would give
-    elapsed: NDArray[np.uint32]  # [F] ms since the frame before; 0 at a start
+    elapsed: NDArray[np.uint32]  # [F] ms since the frame before; 0 at a start, and aside
+    aside: NDArray[np.bool_]  # [F] somebody else, for a moment: lifted by itself
 
 
 class Track:
@@ -149,7 +150,7 @@ def with_bones(tracked: Tracked, frames: int, measured: NDArray[np.void]) -> Tra
     """A video with the bones of its first frames; 0: as it is.  `measured` is the state."""
     if frames == 0:
         return tracked
-    held = give_measured(load(), tracked, tracked.elapsed == 0, frames, measured)
+    held = give_measured(load(), tracked, tracked.elapsed == 0, ~tracked.aside, frames, measured)
     return replace(tracked, joints=held.joints)
 
 
@@ -224,4 +225,5 @@ class TrackedFrames:
         return Tracked(
             **parts, held=from_bits(reports["held"]), swapped=swapped,
             mirrored=reports["mirrored"] != 0, elapsed=reports["elapsed"],
+            aside=reports["aside"] > 0,
         )  # fmt: skip

@@ -195,7 +195,9 @@ def test_swaps_are_counted(clip):
     said = wrong.copy()
     said[0, 0] ^= True
     no = np.zeros(200)
-    tracked = Tracked(**vars(Poses.of(swing(200))), held=no, swapped=said, mirrored=no, elapsed=no)
+    tracked = Tracked(
+        **vars(Poses.of(swing(200))), held=no, swapped=said, mirrored=no, elapsed=no, aside=no
+    )
     counts = video.swaps(tracked, views["swapped"])
     assert counts["missed"] + counts["false"] == 1
     assert counts["found"] + counts["missed"] == wrong.sum()
