@@ -13,7 +13,7 @@ DOCS = sorted((ROOT / "docs").glob("*.md"))
 OTHERS = [*sorted((ROOT / "examples").rglob("*.md")), *sorted((ROOT / "tools").glob("*.md"))]
 PAGES = TOP + DOCS + OTHERS
 OF_TODAY = [page for page in PAGES if page.name != "CHANGELOG.md"]  # which has the old names, too
-PROGRAMS = ["lift", "detector", "five_detectors", "fixed", "place", "track", "body", "room", "angles"]
+PROGRAMS = "lift detector five_detectors fixed place track body room angles".split()
 WARNINGS = "-pedantic -Wall -Wextra -Wconversion -Wshadow -Wvla -Werror".split()
 README_LINES = 200
 

@@ -4,7 +4,8 @@
  *
  * The input comes from integers and single float operations, so that it is the same as well.
  *
- * -DPARTS=N prints a part, so that it fits a small flash: 1 what distances lifts, 2 direct, 4 fconn, 8 the rest.
+ * -DPARTS=N prints a part, so that it fits a small flash: 1 what distances lifts, 2 direct, 4 fconn, 8 the
+ * rest, 16 videos.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -21,7 +22,7 @@
 #include "number/real_f32.h" /* its input, too, is the same with fused operations switched on */
 
 #ifndef PARTS
-#define PARTS 15
+#define PARTS 31
 #endif
 
 enum { POSES = 200, MATRICES = 12, SHAPES = 12, STEPS = 6, NETS = 4 };
@@ -530,6 +531,10 @@ static void report_the_rest(void)
     report_of("fconv f32", convolve(&f32), NETS, "computed");
     start();
     report_of("fconv w8", convolve(&w8), NETS, "computed");
+}
+
+static void report_videos(void)
+{
     start();
     report("float video", place_videos(), "placed");
     start();
@@ -546,5 +551,6 @@ int main(void)
     if (PARTS & 2) report_lifts(&edml_direct_f32, &edml_direct_w16, &edml_direct_w8);
     if (PARTS & 4) report_lifts(&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8);
     if (PARTS & 8) report_the_rest();
+    if (PARTS & 16) report_videos();
     return 0;
 }

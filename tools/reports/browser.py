@@ -5,11 +5,12 @@ installed besides the browser.
 """
 
 import base64
+import fcntl
 import json
 import os
 import select
 import shutil
-import subprocess
+import signal
 import tempfile
 import time
 from collections.abc import Iterator
@@ -51,16 +52,20 @@ class Page:
         from_us, self._out = os.pipe()
         self._in, to_us = os.pipe()
 
-        def at_three_and_four() -> None:
-            reads, writes = (_out_of_the_way(fd) for fd in (from_us, to_us))
-            os.dup2(reads, 3)
-            os.dup2(writes, 4)
-
-        self._process = subprocess.Popen(
+        # Not by subprocess: what it would run between fork and exec is not safe beside threads.
+        reads, writes = (
+            fcntl.fcntl(fd, fcntl.F_DUPFD_CLOEXEC, _FINGERS) for fd in (from_us, to_us)
+        )
+        nothing = os.open(os.devnull, os.O_RDWR)
+        places = [(nothing, 0), (nothing, 1), (nothing, 2), (reads, 3), (writes, 4)]
+        self._process = os.posix_spawn(
+            program,
             [program, *_FLAGS, f"--user-data-dir={self._folder.name}", "about:blank"],
-            preexec_fn=at_three_and_four, close_fds=False,
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
+            os.environ,
+            file_actions=[(os.POSIX_SPAWN_DUP2, here, there) for here, there in places],
+        )
+        for descriptor in (reads, writes, nothing):
+            os.close(descriptor)
         os.close(from_us)
         os.close(to_us)
         targets = self._send("Target.getTargets", session=None)["targetInfos"]
@@ -81,8 +86,8 @@ class Page:
         try:
             self._send("Browser.close", session=None)
         except (BrowserError, OSError):
-            self._process.kill()
-        self._process.wait(30)
+            os.kill(self._process, signal.SIGKILL)
+        os.waitpid(self._process, 0)
         os.close(self._out)
         os.close(self._in)
         self._folder.cleanup()
@@ -243,14 +248,3 @@ def opened(path: Path, program: str, width: int = 1280, height: int = 800) -> It
     with Page(program, width, height) as page:
         page.open(path)
         yield page
-
-
-def _out_of_the_way(descriptor: int) -> int:
-    """A copy of a descriptor whose number is neither 3 nor 4."""
-    copies = [os.dup(descriptor)]
-    while copies[-1] < _FINGERS:
-        copies.append(os.dup(descriptor))
-    for copy in copies[:-1]:
-        if copy not in (3, 4):
-            os.close(copy)
-    return copies[-1]

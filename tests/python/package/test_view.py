@@ -341,10 +341,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture):
     assert data["image"]["box"] == [0, 0, 1768, 994]
 
 
-def test_the_command_needs_no_library_for_what_is_lifted(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setattr("edmlift._binding._load", lambda _path: 1 / 0)
+def test_the_command_knows_no_quality_of_what_was_lifted_before(tmp_path: Path):
     edmlift.write_poses(tmp_path / "lifted.csv", poses())
     out = tmp_path / "x.html"
     assert run("view", DATA / "walk.csv", tmp_path / "lifted.csv", "--out", out) == 0

@@ -116,10 +116,10 @@ def _curves(
 ) -> list[dict[str, Any]]:
     """What is drawn over time: a row of lines each, with its scale."""
     both = [joints] if truth is None else [joints, truth]
-    bends = [flexion(points) for points in both]
+    bends = [flexion(points).astype(float) for points in both]
     elbows, knees = ([bend[:, part] for bend in bends] for part in (slice(0, 2), slice(2, 4)))
-    leans = [lean(points, up)[:, None] for points in both]
-    headings = [heading(points, up)[:, None] for points in both]
+    leans = [lean(points, up)[:, None].astype(float) for points in both]
+    headings = [heading(points, up)[:, None].astype(float) for points in both]
     sides = ("right", "left")
     rows = [
         _row("Elbows", "°", sides, elbows, step=0.1, about="0 is straight"),
