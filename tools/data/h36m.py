@@ -22,6 +22,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from data import cameras
+from data.array_pickles import load_arrays
 from data.mocap import STATURE_RANGE, MocapError
 from edmlift.joints import INDEX, JOINTS, indices
 
@@ -67,28 +68,6 @@ Sequences = dict[str, dict[str, np.ndarray]]  # subject -> sequence -> [F,14,3] 
 # Positions
 
 
-class _Arrays(pickle.Unpickler):
-    """Unpickles dictionaries of arrays, and refuses everything else a pickle can do."""
-
-    ALLOWED = frozenset(
-        (module, name)
-        for core in ("numpy.core", "numpy._core")
-        for module, name in (
-            ("numpy", "ndarray"),
-            ("numpy", "dtype"),
-            (f"{core}.multiarray", "_reconstruct"),
-            (f"{core}.multiarray", "scalar"),
-            (f"{core}.numeric", "_frombuffer"),
-            ("_codecs", "encode"),
-        )
-    )
-
-    def find_class(self, module: str, name: str) -> Any:
-        if (module, name) not in self.ALLOWED:
-            raise pickle.UnpicklingError(f"holds {module}.{name}, which is no array")
-        return super().find_class(module, name)
-
-
 def read_positions(path: Path, layout: Layout) -> Sequences:
     """Reads and checks a file of positions; every sequence of every subject."""
     everything = _positions_3d(path, layout)
@@ -120,7 +99,7 @@ def _positions_3d(path: Path, layout: Layout) -> Any:
         shape, _, dtype = read_header(data)
         if shape != () or not dtype.hasobject:
             raise ValueError(f"positions_3d is an array {shape} of {dtype}, not a dictionary")
-        return _Arrays(data).load().item()
+        return load_arrays(data.read()).item()
     except FileNotFoundError:
         raise MocapError(f"{path}: no such file; for {layout.name}, {layout.source}") from None
     except zipfile.BadZipFile:

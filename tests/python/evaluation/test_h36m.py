@@ -1,7 +1,10 @@
 """Human3.6M and HumanEva-I, on small files made up here in the layout of VideoPose3D."""
 
+import io
 import json
+import pickle
 import subprocess
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -238,6 +241,51 @@ def test_what_is_no_pose_is_refused_by_name(tmp_path, positions, message):
     with pytest.raises(MocapError, match=message) as error:
         read_positions(path, H36M)
     assert str(path) in str(error.value)
+
+
+def pickled(payload: bytes, path: Path) -> Path:
+    """A file whose positions_3d is this pickle."""
+    header = io.BytesIO()
+    described = {"descr": "|O", "fortran_order": False, "shape": ()}
+    np.lib.format.write_array_header_1_0(header, described)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("positions_3d.npy", header.getvalue() + payload)
+    return path
+
+
+class Reduced:
+    """Pickles as a call, and perhaps a state."""
+
+    def __init__(self, *parts):
+        self.parts = parts
+
+    def __reduce__(self):
+        return self.parts
+
+
+POINTERS = b"A" * 768
+PARTS = (3, "|", None, ("a",), {"a": (np.dtype("O"), 0)}, 8, 1, 0)  # objects that hide in a field
+HIDDEN = Reduced(np.dtype, ("V8", False, True), PARTS)
+RECONSTRUCT, BEGUN = np.zeros(1).__reduce__()[:2]
+
+
+@pytest.mark.parametrize(
+    "sequence",
+    [
+        Reduced(np._core.numeric._frombuffer, (POINTERS, HIDDEN, (1, 32, 3), "C")),
+        Reduced(np._core.numeric._frombuffer, (POINTERS, np.dtype("O"), (1, 32, 3), "C")),
+        Reduced(RECONSTRUCT, BEGUN, (1, (1, 32, 3), np.dtype("O"), False, POINTERS)),
+        Reduced(RECONSTRUCT, BEGUN, (1, (1, 32, 3), HIDDEN, False, POINTERS)),
+        Reduced(np._core.multiarray.scalar, (np.dtype("f8"), b"short")),
+        [[[[[[[1.0]]]]]]],
+    ],
+)
+def test_pointers_of_a_pickle_are_not_followed(sequence, tmp_path):
+    outer = np.empty((), object)
+    outer[()] = {"S1": {"Walking": sequence}}
+    path = pickled(pickle.dumps(outer, protocol=2), tmp_path / "evil.npz")
+    with pytest.raises(MocapError, match="not readable"):
+        read_positions(path, H36M)
 
 
 def test_other_files_are_refused(tmp_path):
