@@ -120,7 +120,8 @@ def test_lift_stdin_takes_them_as_the_detector_gives_them(
     width, height = views[name].size if name in views else SIZES[name]
     out = tmp_path / "lifted.csv"
     with (DATA / f"{name}.csv").open() as source, out.open("w") as target:
-        command = [PROGRAM, "--format", "blazepose33", "--image", f"{width},{height}"]
+        image = f"{width},{height}"
+        command = [PROGRAM, "--format", "blazepose33", "--image", image, "--threshold", "0"]
         subprocess.run(command, stdin=source, stdout=target, check=True)
     found = read_poses(out)
     poses = library.lift(clip.keypoints)
