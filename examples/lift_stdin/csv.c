@@ -189,27 +189,15 @@ static const char *read_row(edml_keypoint in[], const char *line, const options 
 
 static const char *read_keypoints(edml_keypoint in[], const char *line, const options *set)
 {
-    static char long_wrong[384];
     float numbers[3 * KEYPOINTS_MAX];
     if (heading.columns > 0) return read_row(in, line, set);
-    const int keypoints = keypoints_of(set);
-    const int count = read_numbers(numbers, 3 * keypoints, line);
+    const int count = read_numbers(numbers, 3 * keypoints_of(set), line);
     if (*line == '{' || *line == '[') return "JSON: give --json";
     if (count < 0) {
         snprintf(wrong, sizeof wrong, "field %d is not a number (commas or blanks separate them)", -count);
         return wrong;
     }
-    if (count != 2 * keypoints && count != 3 * keypoints) {
-        snprintf(long_wrong, sizeof long_wrong, "%d numbers, but %s has %d or %d%s", count, name_of(set),
-                 2 * keypoints, 3 * keypoints, formats_with(count, 1));
-        return long_wrong;
-    }
-    const int each = count / keypoints;
-    for (int n = 0; n < keypoints; n++) {
-        order_axes(numbers + n * each, set);
-        in[n] = keypoint_of(numbers + n * each, each, set->threshold);
-    }
-    return NULL;
+    return take_numbers(in, numbers, count, set);
 }
 
 /* ---- Answers ----------------------------------------------------------------------------------- */

@@ -162,16 +162,14 @@ static const char *read_list(edml_keypoint out[], const char *array, const optio
     return named == 0 || named == count ? NULL : "only some keypoints have a name";
 }
 
-/* One array of all numbers. */
-static const char *read_flat(edml_keypoint out[], const char *array, const options *set)
+const char *take_numbers(edml_keypoint out[], float *numbers, int count, const options *set)
 {
-    float numbers[3 * KEYPOINTS_MAX];
-    const int keypoints = keypoints_of(set), count = read_numbers(numbers, 3 * keypoints, array);
-    if (count < 0) return "keypoints are not all numbers";
+    static char other_count[384];
+    const int keypoints = keypoints_of(set);
     if (count != 2 * keypoints && count != 3 * keypoints) {
-        snprintf(wrong, sizeof wrong, "%d numbers, but %s has %d or %d%s", count, name_of(set),
+        snprintf(other_count, sizeof other_count, "%d numbers, but %s has %d or %d%s", count, name_of(set),
                  2 * keypoints, 3 * keypoints, formats_with(count, 1));
-        return wrong;
+        return other_count;
     }
     const int each = count / keypoints;
     for (int n = 0; n < keypoints; n++) {
@@ -179,6 +177,15 @@ static const char *read_flat(edml_keypoint out[], const char *array, const optio
         out[n] = keypoint_of(numbers + n * each, each, set->threshold);
     }
     return NULL;
+}
+
+/* One array of all numbers. */
+static const char *read_flat(edml_keypoint out[], const char *array, const options *set)
+{
+    float numbers[3 * KEYPOINTS_MAX];
+    const int count = read_numbers(numbers, 3 * keypoints_of(set), array);
+    if (count < 0) return "keypoints are not all numbers";
+    return take_numbers(out, numbers, count, set);
 }
 
 /* An object of three arrays, of which the last may be missing. */

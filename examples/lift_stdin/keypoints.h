@@ -13,6 +13,10 @@ edml_keypoint keypoint_of(const float *numbers, int count, float threshold);
 /* Exchanges the first two numbers of a keypoint where the format has y before x. */
 void order_axes(float *numbers, const options *set);
 
+/* Takes `count` numbers for all keypoints, two or three each, one behind another.  Returns NULL, or says that there
+ * are more or fewer. */
+const char *take_numbers(edml_keypoint out[], float *numbers, int count, const options *set);
+
 /* What to try with so many keypoints, or so many numbers: begins with a semicolon, or is empty. */
 const char *formats_with(int count, int are_numbers);
 

@@ -1,6 +1,6 @@
-/* What the parts of lift_stdin share.  csv.c and people.c find people in lines and in JSON; numbers.c,
- * keypoints.c and names.c read their keypoints; main.c lifts them, in fixed point by fixed.c, each person of a
- * video by its track in tracks.c, and with bones, a path and a camera by video.c; mistakes.c looks for likely ones; options.c knows the command line.
+/* What the parts of lift_stdin share.  csv.c and people.c find people in lines and in JSON; person.c,
+ * keypoints.c and names.c read them; main.c lifts them, in fixed point by fixed.c; tracks.c and video.c know
+ * each person of a video; mistakes.c looks for likely ones; options.c knows the command line.
  *
  * SPDX-License-Identifier: MIT
  */

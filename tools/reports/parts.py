@@ -38,7 +38,11 @@ from reports.targets import (
 MODEL = "direct"
 CORES = {"cortex-m4f": ("w16", "fixed"), "cortex-m0plus": ("w16", "fixed")}  # and variants
 CALLS = {"w16": "", "fixed": "_q"}  # what the part's name ends in
-PARTS = {"angles": "angles.md"}  # pages, by the name of the part's stage in tests/targets/bench
+PARTS = {  # pages, by the name of the part's stage in tests/targets/bench, which is its call's
+    "angles": "angles.md",
+    "measure_body": "body.md",
+    "path_follow": "where-in-the-room.md",
+}
 HEAD = ["core", "call", "code, bytes", "stack, bytes", "instructions"]
 
 
@@ -70,14 +74,10 @@ def _measure_variant(
     target: Target, part: str, variant: str, folder: Path, library: list[Path]
 ) -> PartCost:
     options = options_of(MODEL, variant)
-    code = []
-    for more in ([], [f"-DPART=stage_{part}"]):
-        link_map = folder / "map"
-        build(
-            BENCH / "smallest.c", target, LEVEL, folder / "smallest.elf", *options, *more,
-            "-nostartfiles", f"-Wl,--entry=main,-Map={link_map}", library=library,
-        )  # fmt: skip
-        code.append(flash_sizes(link_map.read_text())["code"])
+    lift, with_part = (
+        linked_code("smallest.c", target, folder, [*options, *more], library)
+        for more in ([], [f"-DPART=stage_{part}"])
+    )
     bench = build(
         BENCH / "target.c", target, LEVEL, folder / "bench.elf", *options,
         f"-DCOUNTS_PER_1000={target.counts}", library=library,
@@ -85,7 +85,19 @@ def _measure_variant(
     lines = {line.split()[0]: line.split()[1:] for line in count(bench, target).splitlines()}
     instructions, stack = (int(number) for number in lines[part])
     call = f"`edml_{part}{CALLS[variant]}`"
-    return PartCost(target.name, call, code[1] - code[0], stack, instructions)
+    return PartCost(target.name, call, with_part - lift, stack, instructions)
+
+
+def linked_code(
+    program: str, target: Target, folder: Path, options: list[str], library: list[Path]
+) -> int:
+    """Bytes of code that a program of tests/targets/bench links."""
+    link_map = folder / "map"
+    build(
+        BENCH / program, target, LEVEL, folder / "smallest.elf", *options, "-nostartfiles",
+        f"-Wl,--entry=main,-Map={link_map}", library=library,
+    )  # fmt: skip
+    return flash_sizes(link_map.read_text())["code"]
 
 
 def part_table(costs: list[PartCost]) -> str:

@@ -16,7 +16,8 @@ from pathlib import Path
 
 from data.paths import DOCS
 from reports import markdown
-from reports.size import BENCH, LEVEL, SLACK, Disagreement, flash_sizes, options_of, to_table
+from reports.parts import linked_code
+from reports.size import BENCH, LEVEL, SLACK, Disagreement, options_of, to_table
 from reports.targets import (
     SMALL_SOURCES,
     TARGETS,
@@ -57,14 +58,10 @@ def measure(target: Target, variant: str) -> Cost:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         library = compile_library(target, LEVEL, folder, SMALL_SOURCES)
-        code = []
-        for program in ("smallest.c", "smallest_video.c"):
-            link_map = folder / f"{program}.map"
-            build(
-                BENCH / program, target, LEVEL, folder / "smallest.elf", *options, "-nostartfiles",
-                f"-Wl,--entry=main,-Map={link_map}", library=library,
-            )  # fmt: skip
-            code.append(flash_sizes(link_map.read_text())["code"])
+        lift_code, code = (
+            linked_code(program, target, folder, options, library)
+            for program in ("smallest.c", "smallest_video.c")
+        )
         bench = build(
             BENCH / "video.c", target, LEVEL, folder / "bench.elf", *options,
             f"-DCOUNTS_PER_1000={target.counts}", library=library,
@@ -73,7 +70,7 @@ def measure(target: Target, variant: str) -> Cost:
     (_, lift, lift_stack), (_, frame, frame_stack) = figures
     call = f"`edml_track_lift{'_q' if variant == 'fixed' else ''}`"
     stack = int(frame_stack) - int(lift_stack)
-    return Cost(target.name, call, code[1] - code[0], stack, int(lift), int(frame))
+    return Cost(target.name, call, code - lift_code, stack, int(lift), int(frame))
 
 
 def table(costs: list[Cost]) -> str:

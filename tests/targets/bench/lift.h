@@ -33,3 +33,24 @@ STAGE stage_lift(void) { edml_lift(&out, in, NULL, &MODEL, &work, sizeof work); 
 /* What follows the lift, where it is asked for. */
 static api_real degrees[EDML_ANGLES];
 STAGE stage_angles(void) { edml_angles(degrees, &out, NULL); }
+
+static edml_measured_body measured;
+STAGE stage_measure_body(void)
+{
+    edml_measure_start(&measured);
+    edml_measure_body(&measured, &out);
+}
+
+/* Someone who stays 4 m away, 30 times a second. */
+static edml_path path;
+static edml_placement followed;
+STAGE stage_path_follow(void)
+{
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        followed.joint[j] = out.joint[j];
+        followed.joint[j].z += TO_API(REAL(4.0));
+    }
+    followed.translation.x = followed.translation.y = 0;
+    followed.translation.z = TO_API(REAL(4.0));
+    edml_path_follow(&path, &followed, path.time + 33);
+}

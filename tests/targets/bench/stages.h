@@ -103,6 +103,8 @@ static const struct {
     {"lift", stage_lift, 0, 0},
     {"place", stage_place, 0, 0},
     {"angles", stage_angles, 0, 0},
+    {"measure_body", stage_measure_body, 0, 0},
+    {"path_follow", stage_path_follow, 0, 0},
 };
 enum { STAGES = (int)(sizeof stages / sizeof stages[0]) };
 

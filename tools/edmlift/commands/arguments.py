@@ -12,6 +12,18 @@ detectors write it, in files that end in .jsonl, .ndjson or .json, or a folder o
 """
 
 
+def add_shown_files(parser: argparse.ArgumentParser) -> None:
+    """What is shown beside the keypoints, and where they were seen."""
+    parser.add_argument(
+        "lifted", nargs="?", help="3D poses as `edmlift lift` writes them (default: lifts)"
+    )
+    parser.add_argument("--truth", metavar="FILE", help="true 3D poses, 42 numbers a line, metres")
+    parser.add_argument(
+        "--pictures", nargs="+", metavar="FILE",
+        help="what the keypoints were seen in: one picture, or one for each pose",
+    )  # fmt: skip
+
+
 def add_lift_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--model", metavar="NAME", help="see `edmlift models`")
     parser.add_argument(

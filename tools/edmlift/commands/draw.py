@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from edmlift.commands.arguments import DOCUMENTATION, add_lift_options
+from edmlift.commands.arguments import DOCUMENTATION, add_lift_options, add_shown_files
 from edmlift.commands.errors import OptionError, about_options
 from edmlift.commands.inputs import read_drawn, read_truth_of
 from edmlift.drawing import COLUMNS, MAX_COLUMNS, draw, draw_joint_diagram, spread
@@ -24,9 +24,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("keypoints", nargs="?", help="file of 2D poses")
-    parser.add_argument(
-        "lifted", nargs="?", help="3D poses as `edmlift lift` writes them (default: lifts)"
-    )
+    add_shown_files(parser)
     parser.add_argument("--out", metavar="FILE", help="picture: .png or .gif")
     parser.add_argument(
         "--joint-diagram", metavar="FILE", help="draw the numbers and names of the joints, no more"
@@ -36,11 +34,6 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "--frames", type=int, metavar="N", help=f"columns, 1 to {MAX_COLUMNS} (default: {COLUMNS})"
     )
     which.add_argument("--frame", type=int, metavar="I", help="this frame alone, counted from 0")
-    parser.add_argument("--truth", metavar="FILE", help="true 3D poses, 42 numbers a line, metres")
-    parser.add_argument(
-        "--pictures", nargs="+", metavar="FILE",
-        help="what the keypoints were seen in: one picture, or one for each pose",
-    )  # fmt: skip
     parser.add_argument("--title", help="heading of the picture")
     parser.add_argument(
         "--pitch", type=float, default=0.0, metavar="DEGREES",

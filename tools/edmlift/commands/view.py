@@ -4,7 +4,7 @@ import argparse
 import math
 from pathlib import Path
 
-from edmlift.commands.arguments import DOCUMENTATION, add_lift_options
+from edmlift.commands.arguments import DOCUMENTATION, add_lift_options, add_shown_files
 from edmlift.commands.errors import OptionError, about_options
 from edmlift.commands.inputs import read_drawn, read_truth_of
 from edmlift.joint_angles import LEVEL
@@ -22,15 +22,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("keypoints", help="file of 2D poses")
-    parser.add_argument(
-        "lifted", nargs="?", help="3D poses as `edmlift lift` writes them (default: lifts)"
-    )
+    add_shown_files(parser)
     parser.add_argument("-o", "--out", metavar="FILE", required=True, help="page: .html")
-    parser.add_argument("--truth", metavar="FILE", help="true 3D poses, 42 numbers a line, metres")
-    parser.add_argument(
-        "--pictures", nargs="+", metavar="FILE",
-        help="what the keypoints were seen in: one picture, or one for each pose",
-    )  # fmt: skip
     parser.add_argument(
         "--picture-side", type=int, default=PICTURE_SIDE, metavar="PIXELS",
         help=f"pictures are reduced to this longer side (default: {PICTURE_SIDE})",
