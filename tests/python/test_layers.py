@@ -11,7 +11,7 @@ from support import ROOT
 TOOLS = ROOT / "tools"
 FOLDERS = (
     "edmlift", "data", "model", "reports", "training", "fitting", "export", "evaluation",
-    "experiments",
+    "experiments", "channels",
 )  # fmt: skip
 # What each may import besides itself; tools/README.md says the same.
 MAY_IMPORT = {
@@ -24,6 +24,7 @@ MAY_IMPORT = {
     "export": ("edmlift", "data", "model", "training"),
     "evaluation": ("edmlift", "data", "model", "reports", "export"),
     "experiments": ("edmlift", "data", "model", "reports", "training", "export", "evaluation"),
+    "channels": ("edmlift", "data", "reports"),
 }
 # Packages that not everyone has; only these may be imported inside a function.
 OPTIONAL = {"torch", "onnx", "onnxruntime", "h5py", "safetensors", "tflite"}
