@@ -139,7 +139,7 @@ size_t edml_model_work_bytes(const edml_model *model); /* for edml_lift(); 0: no
  *   EDML_ERR_DEGENERATE      points equal, on a line, or so unlike a person that no rotation fits; up is zero
  *   EDML_ERR_MODEL, EDML_ERR_WORK_TOO_SMALL
  * Run time varies with the missing joints, the non-zero activations and the Jacobi rotations; all three are
- * bounded. */
+ * bounded.  At most 0.6 KB of stack: docs/stack.md. */
 edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], const edml_point *up,
                       const edml_model *model, void *work, size_t work_bytes);
 

@@ -12,7 +12,7 @@ extern "C" {
 #endif
 
 /* edml_lift() of `count` people, one after the other; the same bits.  Threads may share the arrays, each with
- * its part of the people and work memory of its own.
+ * its part of the people and work memory of its own.  At most 1.2 KB of stack.
  *   poses, status  [count]; a pose is written where its status is EDML_OK
  *   in             [count][EDML_JOINTS]
  *   up             [count], or NULL
