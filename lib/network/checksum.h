@@ -15,14 +15,14 @@ static uint32_t hash_value(uint32_t hash, const void *item, size_t size)
 {
     static const uint16_t one = 1;
     const size_t flip = *(const uint8_t *)&one == 1 ? 0 : size - 1;
-    const uint8_t *byte = item;
+    const uint8_t *byte = (const uint8_t *)item;
     for (size_t n = 0; n < size; n++) hash = (hash ^ byte[n ^ flip]) * 16777619U;
     return hash;
 }
 
 static uint32_t hash_values(uint32_t hash, const void *values, uint32_t count, size_t size)
 {
-    const uint8_t *item = values;
+    const uint8_t *item = (const uint8_t *)values;
     for (uint32_t n = 0; n < count; n++, item += size) hash = hash_value(hash, item, size);
     return hash;
 }

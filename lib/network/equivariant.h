@@ -66,8 +66,8 @@ static int read_inputs(activation *x, const value *in, int count)
 EDML_INTERNAL void WEIGHTS(edml__equivariant)(value *out, const value *in, const edml_model *model,
                                               void *scratch)
 {
-    const dense_layer *layer = model->layers;
-    activation *x = scratch, *y = OTHER_UNITS(scratch, out);
+    const dense_layer *layer = (const dense_layer *)model->layers;
+    activation *x = (activation *)scratch, *y = OTHER_UNITS(scratch, out);
     uint8_t own_list[OWN_LIST ? LISTED : 1];
     if (model->layer_count % 2 == 0) swap_units(&x, &y);
     int even = read_inputs(x, in, model->even_inputs);
@@ -94,7 +94,7 @@ EDML_INTERNAL void WEIGHTS(edml__equivariant)(value *out, const value *in, const
 
 EDML_INTERNAL uint32_t WEIGHTS(edml__equivariant_checksum)(const edml_model *model)
 {
-    return hash_layers(model->layers, model->layer_count, CHUNK);
+    return hash_layers((const dense_layer *)model->layers, model->layer_count, CHUNK);
 }
 
 #endif

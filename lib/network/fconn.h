@@ -29,8 +29,8 @@ static void dense_units(activation *y, const layer_inputs *in, const dense_layer
 /* As edml__equivariant_...(). */
 EDML_INTERNAL void WEIGHTS(edml__fconn)(value *out, const value *in, const edml_model *model, void *scratch)
 {
-    const dense_layer *layer = model->layers;
-    activation *x = scratch, *y = OTHER_UNITS(scratch, out);
+    const dense_layer *layer = (const dense_layer *)model->layers;
+    activation *x = (activation *)scratch, *y = OTHER_UNITS(scratch, out);
     uint8_t own_list[OWN_LIST ? LISTED : 1];
     if (model->layer_count % 2 == 0) swap_units(&x, &y);
     for (int k = 0; k < layer->inputs; k++)
@@ -52,7 +52,7 @@ EDML_INTERNAL void WEIGHTS(edml__fconn)(value *out, const value *in, const edml_
 
 EDML_INTERNAL uint32_t WEIGHTS(edml__fconn_checksum)(const edml_model *model)
 {
-    return hash_layers(model->layers, model->layer_count, CHUNK);
+    return hash_layers((const dense_layer *)model->layers, model->layer_count, CHUNK);
 }
 
 #endif

@@ -144,8 +144,8 @@ typedef char maps_fit_the_work_memory
 
 EDML_INTERNAL void WEIGHTS(edml__fconv)(value *out, const value *in, const edml_model *model, void *scratch)
 {
-    fconv_maps *maps = scratch;
-    const dense_layer *layer = model->layers;
+    fconv_maps *maps = (fconv_maps *)scratch;
+    const dense_layer *layer = (const dense_layer *)model->layers;
     activation *const behind_image = maps->narrow + SIDE * SIDE;
     const convolution down1 = {layer, maps->narrow, 14, 0, behind_image};
     const convolution down2 = {layer + 1, maps->wide, 7, 0, NULL};
@@ -169,7 +169,7 @@ EDML_INTERNAL void WEIGHTS(edml__fconv)(value *out, const value *in, const edml_
 
 EDML_INTERNAL uint32_t WEIGHTS(edml__fconv_checksum)(const edml_model *model)
 {
-    return hash_layers(model->layers, model->layer_count, CHUNK);
+    return hash_layers((const dense_layer *)model->layers, model->layer_count, CHUNK);
 }
 
 #endif

@@ -9,7 +9,7 @@
 
 void edml__run_network(const edml_model *model, void *memory)
 {
-    edml_work *const work = memory;
+    edml_work *const work = (edml_work *)memory;
     float *const values = work->io.values;
     int32_t *const integers = work->io.integers; /* in the same place */
     if (model->predict_f32 != NULL) {
