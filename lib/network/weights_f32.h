@@ -62,7 +62,7 @@ static inline float mean_output(float a, float b, const dense_layer *layer)
 
 enum { CHUNK = 1, OWN_LIST = 1 };
 #define OTHER_UNITS(scratch, out) (out)
-#if defined(__GNUC__) && (defined(__SSE2__) || defined(__aarch64__))
+#if defined(__GNUC__) && (defined(__SSE2__) || defined(__aarch64__) || defined(__wasm_simd128__))
 #define SUM_ROWS "rows_vector.h"
 #define SKIPS_ZEROS 0
 #else

@@ -131,8 +131,6 @@ export class Lifter {
   readonly version: string;
   /** How many keypoints each format has. */
   readonly formats: Readonly<Record<Format, number>>;
-  /** Is this the code with SIMD?  Results have the same bits. */
-  readonly simd: boolean;
 
   /** Lifts a person.  What cannot be lifted has a status; a RangeError or TypeError says that arguments are wrong:
    * another number of keypoints than the format has, a format that there is not, no size where it is needed. */
@@ -151,7 +149,7 @@ export class Lifter {
   track(options?: TrackOptions): Track;
 }
 
-export interface TrackOptions extends LiftOptions {
+export interface TrackOptions extends Omit<LiftOptions, "focal" | "camera"> {
   /** Frames a second: `Track.lift` then needs no times. */
   fps?: number;
   /** So many poses, 60 at most, measure the person's bones, whose lengths all poses then have; 0: bones are as long
