@@ -8,17 +8,19 @@ It needs clang and wasm-ld.  index.js takes the files with SIMD where the engine
 import argparse
 import sys
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from channels.amalgamation import amalgamate
 from channels.archives import write_tar
 from channels.version import version
-from data.paths import LIB, ROOT
-from reports.targets import INCLUDES, ToolError, run
+from data.paths import ROOT
+from reports.targets import ToolError, run
 
 NPM = ROOT / "tools" / "npm"
 TEXTS = ("package.json", "index.js", "index.d.ts", "README.md")
 MODELS = ("direct_w8", "direct_w16", "direct_f32", "distances_w8", "distances_w16", "distances_f32")
+PARTS = ("angles", "body", "camera", "many", "video")
 # What is added to a model's name, and the compiler's options for it.
 VARIANTS = {"": ["-msimd128"], "_scalar": []}
 # Loops that the compiler makes vectors of, or unrolls, are longer and no faster: the kernels say
@@ -28,9 +30,9 @@ COMPILE = [
     "-fno-vectorize", "-fno-slp-vectorize", "-fno-unroll-loops",
     "-mbulk-memory", "-mnontrapping-fptoint",
     "-fvisibility=hidden", "-ffreestanding", f"-I{NPM / 'libc'}",
-    "-ffunction-sections", "-fdata-sections", *INCLUDES,
+    "-ffunction-sections", "-fdata-sections",
 ]  # fmt: skip
-# All of glue.c is exported, and nothing of the library.
+EXPORTED = ["-fvisibility=default"]  # all of glue.c, and nothing of the library
 LINK = [
     "wasm-ld", "--no-entry", "--export-dynamic", "--gc-sections", "--strip-all", "--stack-first",
     "-z", "stack-size=16384",
@@ -53,34 +55,31 @@ def package_files(folder: Path) -> list[Path]:
     return [*texts, *compile_models(folder)]
 
 
-def compile_models(
-    folder: Path, models: Sequence[str] = MODELS, variants: Iterable[str] = VARIANTS
-) -> list[Path]:
+def compile_models(folder: Path) -> list[Path]:
     """MODEL.wasm and MODEL_scalar.wasm in a folder."""
-    programs = []
     with tempfile.TemporaryDirectory() as temporary:
-        for variant in variants:
-            library = compile_library(Path(temporary), VARIANTS[variant])
-            for model in models:
-                glue = Path(temporary) / "glue.o"
-                options = [*VARIANTS[variant], "-fvisibility=default", f"-DMODEL={model}"]
-                run(*COMPILE, *options, "-c", NPM / "glue.c", "-o", glue)
-                program = folder / f"{model}{variant}.wasm"
-                run(*LINK, glue, *library, "-o", program)
-                programs.append(program)
-    return programs
+        source = Path(temporary)
+        amalgamate(MODELS, PARTS, source)
+        return [
+            program
+            for variant, options in VARIANTS.items()
+            for program in compile_variant(source, folder, variant, options)
+        ]
 
 
-def compile_library(folder: Path, options: Sequence[str]) -> list[Path]:
-    """The library's object files."""
-    objects = []
-    for source in sorted(LIB.rglob("*.c")):
-        if source.match("models/fcon*.c") or source.match("*_q.c") and source.stem != "predict_q":
-            continue
-        item = folder / f"{source.parent.name}_{source.stem}.o"
-        run(*COMPILE, *options, "-c", source, "-o", item)
-        objects.append(item)
-    return objects
+def compile_variant(
+    source: Path, folder: Path, variant: str, options: Sequence[str]
+) -> Iterator[Path]:
+    """A program a model; the library is compiled once for all."""
+    library, glue = source / "edmlift.o", source / "glue.o"
+    compiler = [*COMPILE, *options, f"-I{source}"]
+    run(*compiler, "-c", source / "edmlift.c", "-o", library)
+    for model in MODELS:
+        program = folder / f"{model}{variant}.wasm"
+        run(*compiler, *EXPORTED, f"-DMODEL={model}", "-c", NPM / "glue.c", "-o", glue)
+        run(*LINK, glue, library, "-o", program)
+        program.chmod(0o644)  # it is no program to the system
+        yield program
 
 
 def main() -> int:

@@ -7,12 +7,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#include "edmlift.h"
-#include "edmlift/angles.h"
-#include "edmlift/body.h"
-#include "edmlift/camera.h"
-#include "edmlift/many.h"
-#include "edmlift/video.h"
+#include "edmlift.h" /* the library in one file, with its parts */
 
 #define JOINED(a, b) a##b
 #define NAMED(name) JOINED(edml_, name)

@@ -16,6 +16,8 @@ def line(pattern: str) -> Callable[[str], str]:
 
 MANIFESTS = {
     "CITATION.cff": line(r"^version: (\S+)$"),
+    "tools/npm/package.json": line(r'^  "version": "([^"]+)",$'),
+    "tools/npm/index.js": line(r'^const VERSION = "([^"]+)";$'),
 }
 
 
