@@ -19,6 +19,10 @@
 #ifndef EDMLIFT_H
 #define EDMLIFT_H
 
+#ifdef __AVR__
+#error "edmlift needs a 32-bit board, such as Uno R4, Nano 33 BLE, ESP32, Pico or Teensy: on an AVR its weights, 44 KB at least, would lie in RAM, and int has 16 bits"
+#endif
+
 #include <stddef.h>
 #include <stdint.h>
 
