@@ -11,7 +11,8 @@ import sys
 from pathlib import Path
 
 TOOLS = Path(__file__).resolve().parent
-FOLDERS = ("data", "fitting", "reports", "experiments", "channels")  # the others have tools of their own
+# The others have tools of their own.
+FOLDERS = ("data", "fitting", "reports", "experiments", "channels")
 
 
 def programs() -> dict[str, str]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 # 1980-01-01, the first time that a zip file can hold: nothing depends on when it was built.
 EPOCH = 315532800
+LEVEL = 6  # 9 takes eight times as long on the weights, for 5 % fewer bytes
 FILE, PROGRAM = 0o644, 0o755
 Files = Mapping[str, bytes | Path]  # what is in an archive, by its name there
 
@@ -22,7 +23,7 @@ def content(source: bytes | Path) -> tuple[bytes, int]:
 
 def write_zip(archive: Path, files: Files) -> Path:
     """A zip file of these files, sorted by name; returns its path."""
-    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as out:
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED, compresslevel=LEVEL) as out:
         for name in sorted(files):
             data, mode = content(files[name])
             entry = zipfile.ZipInfo(name)  # its time is 1980-01-01
@@ -42,6 +43,6 @@ def write_tar(archive: Path, files: Files) -> Path:
             entry = tarfile.TarInfo(name)
             entry.size, entry.mode, entry.mtime = len(data), mode, EPOCH
             out.addfile(entry, io.BytesIO(data))
-    with archive.open("wb") as raw, gzip.GzipFile("", "wb", 9, raw, mtime=0) as out:
+    with archive.open("wb") as raw, gzip.GzipFile("", "wb", LEVEL, raw, mtime=0) as out:
         out.write(plain.getvalue())
     return archive

@@ -83,13 +83,18 @@ def report(found: dict[str, dict[str, int]]) -> str:
     return markdown.table("RP2040, modelled", heads, rows)
 
 
-def about(costs: list[Cost]) -> str:
-    """A row a chip: milliseconds of a lift by either model, from ... to ..."""
+def about(instructions: int, mhz: int) -> str:
+    """Milliseconds, from ... to ..."""
+    fewest, most = (instructions / mhz / 1000 * cycles for cycles in CYCLES)
+    return f"{fewest:.2f} to {most:.2f}"
+
+
+def chips_table(costs: list[Cost]) -> str:
+    """A row a chip: milliseconds of a lift by either model."""
     lifts = {(cost.core, cost.variant, cost.model): cost.lift for cost in costs}
     rows = {}
     for chip, (core, variant, mhz) in CHIPS.items():
-        found = [lifts[core, variant, model] / mhz / 1000 for model in MODELS]
-        spans = ["{:.2f} to {:.2f}".format(*(one * cycles for cycles in CYCLES)) for one in found]
+        spans = [about(lifts[core, variant, model], mhz) for model in MODELS]
         rows[f"{chip}, {core}, {mhz} MHz, `{variant}`"] = spans
     return markdown.table("ms, about", [f"`{model}`" for model in MODELS], rows)
 
@@ -104,7 +109,7 @@ def main() -> int:
         install(INSTALLED)
         modelled = report(measure())
         costs = parse(markdown.read(COSTS, "costs"))
-        text = f"{modelled}\n{about(costs)}"
+        text = f"{modelled}\n{chips_table(costs)}"
         print(text, end="")
         if args.update:
             markdown.write(args.update, "cycles", text)

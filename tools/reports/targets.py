@@ -130,17 +130,21 @@ def compile_library(
     return [archive]
 
 
+def link_flags(target: Target) -> list[str]:
+    """Those of a program: startup code, semihosting, and where flash and RAM are."""
+    (flash, flash_size), (ram, ram_size) = target.flash.split(","), target.ram.split(",")
+    places = {"flash": flash, "flash_size": flash_size, "ram": ram, "ram_size": ram_size}
+    sizes = places | {"stack_size": "6144"}
+    symbols = [f"-Wl,--defsym=__{name}={value}" for name, value in sizes.items()]
+    return ["--oslib=semihost", "--crt0=semihost", "-Wl,--gc-sections", *symbols]
+
+
 def build(
     program: Path, target: Target, level: str, image: Path, *options: str, library: list[Path]
 ) -> Path:
     """An image of a program and the library's sources or objects."""
-    (flash, flash_size), (ram, ram_size) = target.flash.split(","), target.ram.split(",")
-    places = {"flash": flash, "flash_size": flash_size, "ram": ram, "ram_size": ram_size}
     run(
-        *compiler(target, level), "--oslib=semihost", "--crt0=semihost", "-Wl,--gc-sections",
-        "-DPICOLIBC_INTEGER_PRINTF_SCANF", *options,
-        "-Wl,--defsym=__stack_size=6144",
-        *(f"-Wl,--defsym=__{name}={value}" for name, value in places.items()),
+        *compiler(target, level), *link_flags(target), "-DPICOLIBC_INTEGER_PRINTF_SCANF", *options,
         program, *library, "-lm", "-o", image,
     )  # fmt: skip
     return image

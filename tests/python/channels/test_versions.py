@@ -1,5 +1,6 @@
 """One version: include/edmlift.h has it, and each manifest that cannot read it there repeats it."""
 
+import json
 import re
 from collections.abc import Callable
 
@@ -16,6 +17,8 @@ def line(pattern: str) -> Callable[[str], str]:
 
 MANIFESTS = {
     "CITATION.cff": line(r"^version: (\S+)$"),
+    "library.json": lambda text: json.loads(text)["version"],
+    "library.properties": line(r"^version=(\S+)$"),
     "tools/npm/package.json": line(r'^  "version": "([^"]+)",$'),
     "tools/npm/index.js": line(r'^const VERSION = "([^"]+)";$'),
 }

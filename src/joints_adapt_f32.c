@@ -1,0 +1,1 @@
+#include "../lib/joints/adapt_f32.c"

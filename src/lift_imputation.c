@@ -1,0 +1,1 @@
+#include "../lib/lift/imputation.c"

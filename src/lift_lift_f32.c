@@ -1,0 +1,1 @@
+#include "../lib/lift/lift_f32.c"

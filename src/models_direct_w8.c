@@ -1,0 +1,1 @@
+#include "../lib/models/direct_w8.c"

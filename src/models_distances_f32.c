@@ -1,0 +1,1 @@
+#include "../lib/models/distances_f32.c"

@@ -1,0 +1,1 @@
+#include "../lib/models/distances_w8.c"

@@ -1,0 +1,1 @@
+#include "../lib/models/fconn_w16.c"

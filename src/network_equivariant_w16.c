@@ -1,0 +1,1 @@
+#include "../lib/network/equivariant_w16.c"

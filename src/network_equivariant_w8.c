@@ -1,0 +1,1 @@
+#include "../lib/network/equivariant_w8.c"

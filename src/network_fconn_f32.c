@@ -1,0 +1,1 @@
+#include "../lib/network/fconn_f32.c"

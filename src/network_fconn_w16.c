@@ -1,0 +1,1 @@
+#include "../lib/network/fconn_w16.c"

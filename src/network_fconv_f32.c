@@ -1,0 +1,1 @@
+#include "../lib/network/fconv_f32.c"

@@ -1,0 +1,1 @@
+#include "../lib/network/model.c"

@@ -1,0 +1,1 @@
+#include "../lib/network/predict_q.c"

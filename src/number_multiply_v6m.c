@@ -1,0 +1,1 @@
+#include "../lib/number/multiply_v6m.c"

@@ -1,0 +1,1 @@
+#include "../lib/optional/angle_names.c"

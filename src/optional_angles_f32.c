@@ -1,0 +1,1 @@
+#include "../lib/optional/angles_f32.c"

@@ -1,0 +1,1 @@
+#include "../lib/optional/body_f32.c"

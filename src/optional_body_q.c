@@ -1,0 +1,1 @@
+#include "../lib/optional/body_q.c"

@@ -1,0 +1,1 @@
+#include "../lib/optional/camera_f32.c"

@@ -1,0 +1,1 @@
+#include "../lib/optional/joint_limit_maps.c"

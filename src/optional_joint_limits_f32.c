@@ -1,0 +1,1 @@
+#include "../lib/optional/joint_limits_f32.c"

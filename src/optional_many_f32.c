@@ -1,0 +1,1 @@
+#include "../lib/optional/many_f32.c"

@@ -1,0 +1,1 @@
+#include "../lib/optional/video_q.c"
