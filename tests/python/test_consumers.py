@@ -6,9 +6,18 @@ import shutil
 from pathlib import Path
 
 import pytest
-from builds import need
+from builds import need, need_cross_compiler
 
-from reports.targets import INCLUDES, ROOT, SOURCES, ToolError, library_flags, run
+from reports.targets import (
+    INCLUDES,
+    ROOT,
+    SOURCES,
+    TARGETS,
+    ToolError,
+    compiler,
+    library_flags,
+    run,
+)
 
 CONSUMER = ROOT / "tests" / "install"
 SAID = "ok left_ankle\n"
@@ -168,3 +177,13 @@ def test_a_program_that_adapts_one_format_has_no_other(tmp_path: Path) -> None:
     program.write_text(ADAPTING, "utf-8")
     names = {name for name in linked_names(program, tmp_path) if name.startswith("edml_")}
     assert names == {"edml_adapt", "edml_coco17"}
+
+
+@pytest.mark.parametrize("core", ["cortex-m4f", "rv32imc"])
+def test_the_readmes_program_fits_the_stack_of_a_small_task(core: str, tmp_path: Path) -> None:
+    """Such as ESP-IDF's main task, which has 3,584 bytes: its own frame is under 1 KB."""
+    need_cross_compiler(TARGETS[core])
+    source, item = ROOT / "examples" / "lift.c", tmp_path / "lift.o"
+    run(*compiler(TARGETS[core], "-Os"), "-fstack-usage", "-c", source, "-o", item)
+    place, size, kind = item.with_suffix(".su").read_text("utf-8").split("\t")
+    assert place.endswith(":main") and kind.strip() == "static" and 0 < int(size) < 1024
