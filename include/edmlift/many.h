@@ -26,6 +26,13 @@ int edml_lift_many_q(edml_pose_q poses[], edml_status status[], const edml_keypo
                      const edml_point_q up[], const edml_camera_q *camera, int count,
                      const edml_model *model, void *work, size_t work_bytes);
 
+/* edml_adapt() of `count` people, one after the other; nothing if count < 0.
+ *   out  [count][EDML_JOINTS]
+ *   in   [count][format->keypoints] */
+void edml_adapt_many(edml_keypoint out[], const edml_keypoint in[], int count, const edml_format *format);
+void edml_adapt_many_q(edml_keypoint_q out[], const edml_keypoint_q in[], int count,
+                       const edml_format *format);
+
 #ifdef __cplusplus
 }
 #endif

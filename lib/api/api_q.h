@@ -79,6 +79,7 @@ static inline int is_in_range_q16(int32_t a) { return a > -(INT32_C(1) << 29) &&
 #define edml_lift edml_lift_q
 #define edml_lift_with_camera edml_lift_with_camera_q
 #define edml_lift_many edml_lift_many_q
+#define edml_adapt_many edml_adapt_many_q
 #define edml_track_start edml_track_start_q
 #define edml_track_lift edml_track_lift_q
 #define edml_track_distance edml_track_distance_q

@@ -41,11 +41,14 @@
 #define EDML_SATURATE(y, bits, x) __asm__("usat %0, %1, %2" : "=r"(y) : "I"(bits), "r"(x) : "cc")
 #endif
 #define EDML_IS_ALIGNED4(pointer) (((uintptr_t)(pointer) & 3) == 0)
-#if defined(__GNUC__) && defined(__ELF__)
+#if defined(__GNUC__) && (defined(__ELF__) || defined(__clang__))
 #define EDML_INTERNAL __attribute__((visibility("hidden")))
-#define EDML_WEAK __attribute__((weak))
 #else
 #define EDML_INTERNAL
+#endif
+#if defined(__GNUC__) && defined(__ELF__)
+#define EDML_WEAK __attribute__((weak))
+#else
 #define EDML_WEAK
 #endif
 

@@ -23,4 +23,10 @@ int edml_lift_many(edml_pose poses[], edml_status status[], const edml_keypoint 
     return lifted;
 }
 
+void edml_adapt_many(edml_keypoint out[], const edml_keypoint in[], int count, const edml_format *format)
+{
+    for (int n = 0; n < count; n++, out += EDML_JOINTS, in += format->keypoints)
+        edml_adapt(out, in, format);
+}
+
 #endif

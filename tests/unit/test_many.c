@@ -1,4 +1,4 @@
-/* optional/many.h: the same poses and statuses as one by one.
+/* optional/many.h: the same poses, statuses and joints as one by one.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -94,6 +94,35 @@ static void a_missing_model_is_the_status_of_each(void)
     for (int n = 0; n < 3; n++) TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, status[n]);
 }
 
+static void check_joints(const edml_keypoint wanted[EDML_JOINTS], const edml_keypoint found[EDML_JOINTS])
+{
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        TEST_ASSERT_SAME_BYTES(wanted[j].x, found[j].x);
+        TEST_ASSERT_SAME_BYTES(wanted[j].y, found[j].y);
+        TEST_ASSERT_SAME_BYTES(wanted[j].c, found[j].c);
+    }
+}
+
+static void each_is_adapted_as_one_by_one(void)
+{
+    enum { KEYPOINTS = 17 };
+    static edml_keypoint given[PEOPLE][KEYPOINTS], joints[PEOPLE + 1][EDML_JOINTS], before[EDML_JOINTS];
+    make_people();
+    for (int n = 0; n < PEOPLE; n++) /* the last keypoints of a person are another's first */
+        for (int k = 0; k < KEYPOINTS; k++) given[n][k] = in[(n + k / EDML_JOINTS) % PEOPLE][k % EDML_JOINTS];
+    memset(joints, 0x5A, sizeof joints);
+    memset(before, 0x5A, sizeof before);
+    edml_adapt_many(joints[0], given[0], -1, &edml_coco17);
+    TEST_ASSERT_SAME_BYTES(before, joints[0]);
+    edml_adapt_many(joints[0], given[0], PEOPLE, &edml_coco17);
+    TEST_ASSERT_SAME_BYTES(before, joints[PEOPLE]);
+    for (int n = 0; n < PEOPLE; n++) {
+        edml_keypoint alone[EDML_JOINTS];
+        edml_adapt(alone, given[n], &edml_coco17);
+        check_joints(alone, joints[n]);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -101,5 +130,6 @@ int main(void)
     RUN_TEST(nobody_is_no_error);
     RUN_TEST(missing_arrays_are_refused_and_nothing_is_written);
     RUN_TEST(a_missing_model_is_the_status_of_each);
+    RUN_TEST(each_is_adapted_as_one_by_one);
     return UNITY_END();
 }

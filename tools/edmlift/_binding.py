@@ -163,6 +163,7 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "edml_lift*": (_STATUS, *[_POINTER] * 4, *_WORK),
     "edml_lift_with_camera*": (_STATUS, *[_POINTER] * 5, *_WORK),
     "edml_lift_many*": (c_int, *[_POINTER] * 5, c_int, _POINTER, *_WORK),
+    "edml_adapt_many*": (_VOID, _POINTER, _POINTER, c_int, _POINTER),
     "edml_place": (_STATUS, _POINTER, _POINTER, _POINTER, _POINTER, *_WORK),
     "edml_place_sweep": (_STATUS, *[_POINTER] * 4, c_float, c_float, *_WORK),
     "edml_path_start": (_VOID, _POINTER),
