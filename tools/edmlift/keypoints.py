@@ -92,7 +92,7 @@ def _numbers(keypoints: ArrayLike) -> NDArray[np.float32]:
     if array.dtype.kind not in "iuf":
         raise ValueError(f"keypoints must be real numbers in one array, not of dtype {array.dtype}")
     with np.errstate(over="ignore"):  # what is too large becomes infinite, which the lift refuses
-        return array.astype(np.float32)
+        return array.astype(np.float32, copy=False)
 
 
 def _wrong_shape(shape: tuple[int, ...], format: str | None, count: int) -> str:
@@ -110,17 +110,17 @@ def _wrong_shape(shape: tuple[int, ...], format: str | None, count: int) -> str:
 def _with_confidence(array: NDArray[np.float32], threshold: float) -> NDArray[np.float32]:
     """[F,K,3]: c is 1 where none was given, and 0 for what was not seen: up to the threshold or
     NaN, or at a place that detectors write for nothing: NaN, 0,0 or -1,-1."""
-    at = array[..., :2]
-    nowhere = np.isnan(at).any(-1)
-    unseen = nowhere | (at == 0).all(-1) | (at == -1).all(-1)
-    if array.shape[-1] == 2:
-        array = np.concatenate([array, np.ones_like(array[..., :1])], -1)
-    else:
-        array = array.copy()
-        unseen |= ~(array[..., 2] > np.float32(threshold))
-    array[unseen, 2] = 0
-    array[nowhere, :2] = 0
-    return array
+    given = np.empty((*array.shape[:-1], 3), np.float32)
+    given[..., 2] = 1
+    given[..., : array.shape[-1]] = array
+    x, y, c = np.moveaxis(given, -1, 0)
+    nowhere = np.isnan(x) | np.isnan(y)
+    unseen = nowhere | ((x == y) & ((x == 0) | (x == -1)))
+    if array.shape[-1] == 3:
+        unseen |= ~(c > np.float32(threshold))
+    np.copyto(c, 0, where=unseen)
+    given[nowhere, :2] = 0
+    return given
 
 
 def _in_pixels(
@@ -211,36 +211,50 @@ def read_camera(camera: Any) -> NDArray[np.float32]:
 def adapt_joints(
     c: ctypes.CDLL, keypoints: NDArray[np.float32], layout: Format
 ) -> NDArray[np.float32]:
-    """edml_adapt() of keypoints [F,K,3] in pixels -> [F,14,3]."""
+    """edml_adapt_many() of keypoints [F,K,3] in pixels -> [F,14,3]."""
     keypoints = np.ascontiguousarray(keypoints, np.float32)
     joints = np.zeros((len(keypoints), JOINT_COUNT, 3), np.float32)
-    for one, out in zip(keypoints, joints, strict=True):
-        c.edml_adapt(pointer(out), pointer(one), ctypes.addressof(layout))
+    c.edml_adapt_many(pointer(joints), pointer(keypoints), len(joints), ctypes.addressof(layout))
     return joints
 
 
 def refusable(keypoints: NDArray[np.float32]) -> NDArray[np.float32]:
     """Keypoints [F,K,3] for to_q16(): a confidence that is not finite has no number in fixed
     point, but a coordinate that is not finite has one that is refused."""
-    broken = ~np.isfinite(keypoints[..., 2:])
-    return np.where(broken, np.array([-np.inf, 0, 1], np.float32), keypoints)
+    given = keypoints.copy()
+    given[~np.isfinite(keypoints[..., 2])] = -np.inf, 0, 1
+    return given
 
 
 def adapt_joints_q(c: ctypes.CDLL, keypoints: NDArray[np.void], layout: Format) -> NDArray[np.void]:
-    """edml_adapt_q() of keypoints KEYPOINT_Q [F,K] -> [F,14]."""
+    """edml_adapt_many_q() of keypoints KEYPOINT_Q [F,K] -> [F,14]."""
+    keypoints = np.ascontiguousarray(keypoints)
     joints = np.zeros((len(keypoints), JOINT_COUNT), KEYPOINT_Q)
-    for one, out in zip(keypoints, joints, strict=True):
-        c.edml_adapt_q(pointer(out), pointer(one), ctypes.addressof(layout))
+    c.edml_adapt_many_q(pointer(joints), pointer(keypoints), len(joints), ctypes.addressof(layout))
     return joints
 
 
 def to_q16(keypoints: ArrayLike) -> NDArray[np.void]:
     """Keypoints [F,K,3] as KEYPOINT_Q [F,K]; what is out of range, or NaN, its nearest end."""
-    given = np.asarray(keypoints, np.float64)
-    given = np.where(np.isnan(given), -np.inf, given)
-    out = np.zeros(given.shape[:2], KEYPOINT_Q)
-    out["at"] = np.round(np.clip(given[..., :2] * 65536, -(2.0**31), 2.0**31 - 1))
-    out["c"] = np.ceil(np.clip(given[..., 2] * 32768, -(2.0**15), 2.0**15 - 1))
+    x, y, c = np.moveaxis(np.asarray(keypoints, np.float64), -1, 0)
+    out = np.zeros(x.shape, KEYPOINT_Q)
+    out["at"][..., 0] = np.rint(_within(x * 65536, 2.0**31))
+    out["at"][..., 1] = np.rint(_within(y * 65536, 2.0**31))
+    out["c"] = np.ceil(_within(c * 32768, 2.0**15))
+    return out
+
+
+def _within(numbers: NDArray[np.float64], limit: float) -> NDArray[np.float64]:
+    """The nearest from -limit to below limit; NaN becomes -limit."""
+    return np.fmin(np.fmax(numbers, -limit), limit - 1)
+
+
+def from_q16(keypoints: NDArray[np.void]) -> NDArray[np.float32]:
+    """The inverse: KEYPOINT_Q [F,K] -> [F,K,3]."""
+    out = np.empty((*keypoints.shape, 3), np.float32)
+    out[..., 0] = keypoints["at"][..., 0] / 65536
+    out[..., 1] = keypoints["at"][..., 1] / 65536
+    out[..., 2] = keypoints["c"] / 32768
     return out
 
 
@@ -266,5 +280,5 @@ def seen_bits(seen: NDArray[np.bool_]) -> NDArray[np.uint16]:
 
 def from_bits(bits: NDArray[np.uint16]) -> NDArray[np.bool_]:
     """The inverse: [...] -> [...,14]."""
-    flags: NDArray[np.bool_] = (bits[..., None] >> np.arange(JOINT_COUNT) & 1) == 1
+    flags: NDArray[np.bool_] = bits[..., None] & (1 << np.arange(JOINT_COUNT, dtype=np.uint16)) != 0
     return flags

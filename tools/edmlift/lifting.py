@@ -18,7 +18,7 @@ from edmlift.keypoints import (
     adapt_joints,
     adapt_joints_q,
     camera_q,
-    from_bits,
+    from_q16,
     read_camera,
     read_keypoints,
     read_up,
@@ -140,11 +140,10 @@ def lift(
 
 def run_warnings(poses: Poses, given: NDArray[np.float32], format: str | None) -> tuple[str, ...]:
     """Likely mistakes in the keypoints [F,K,3] that poses were lifted from."""
-    spread = slice(None, None, 1 + int(poses.ok.sum()) // _WORTH_A_LOOK)
-    lifted = picked(poses, np.flatnonzero(poses.ok)[spread])
-    return likely_mistakes(
-        lifted.keypoints, quality_of(load(), lifted), given[poses.ok][spread], format
-    )
+    found = np.flatnonzero(poses.ok)
+    spread = found[:: 1 + len(found) // _WORTH_A_LOOK]
+    lifted = picked(poses, spread)
+    return likely_mistakes(lifted.keypoints, quality_of(load(), lifted), given[spread], format)
 
 
 def first(record: _Record) -> _Record:
@@ -204,8 +203,7 @@ def lift_joints_q(
     directions = None if up is None else up_q(up)
     intrinsics = None if camera is None else camera_q(camera)
     poses, status = _call(model, "_q", joints, directions, intrinsics, POSE_Q)
-    keypoints = np.concatenate([joints["at"] / 65536, joints["c"][..., None] / 32768], -1)
-    return to_poses(model, poses, status, keypoints.astype(np.float32), 1 / 65536)
+    return to_poses(model, poses, status, from_q16(joints), 1 / 65536)
 
 
 def _call(
@@ -241,13 +239,20 @@ def _call(
 def side_by_side(run: Callable[[int, int], None], count: int, least: int) -> None:
     """run(start, end) of a part of `count` for each processor, of `least` or more: while C runs,
     so may another."""
-    threads = max(1, min(os.cpu_count() or 1, count // least))
+    threads = max(1, min(processors(), count // least))
     ends = [count * n // threads for n in range(threads + 1)]
     if threads == 1:
         run(0, count)
         return
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(run, ends, ends[1:]))
+
+
+def processors() -> int:
+    """How many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):  # Linux
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def to_poses(
@@ -259,18 +264,19 @@ def to_poses(
 ) -> Poses:
     """C's poses, in metres, NaN where one has a status."""
     joints, misfit = (
-        (poses[name] * np.float32(unit)).astype(np.float32) for name in ("joint", "misfit")
+        np.multiply(poses[name], np.float32(unit)).astype(np.float32, copy=False)
+        for name in ("joint", "misfit")
     )
     for array in (joints, misfit):
         array[status != OK] = np.nan
-    seen = from_bits(np.where(status == OK, poses["seen"], seen_bits(keypoints[..., 2] > 0)))
-    return Poses(joints, misfit, status_names(model.c, status), seen, keypoints)
+    return Poses(joints, misfit, status_names(model.c, status), keypoints[..., 2] > 0, keypoints)
 
 
 def status_names(c: Any, status: NDArray[np.int32]) -> NDArray[np.str_]:
     """The names of statuses [F]."""
-    names = {int(code): c.edml_status_name(int(code)).decode() for code in np.unique(status)}
-    return np.array([names[int(code)] for code in status], np.str_)
+    codes, which = np.unique(status, return_inverse=True)
+    names = [c.edml_status_name(int(code)).decode() for code in codes]
+    return np.array(names, np.str_)[which]
 
 
 def c_poses(poses: Poses) -> NDArray[np.void]:
