@@ -20,7 +20,7 @@ const uint8_t edml_mirror_joint[EDML_JOINTS] = {
 
 const char *edml_joint_name(int joint)
 {
-    static const char *const names[EDML_JOINTS] = {
+    static const char names[EDML_JOINTS][15] = {
         "head",          "neck_base",  "right_shoulder", "right_elbow", "right_wrist",
         "left_shoulder", "left_elbow", "left_wrist",     "right_hip",   "right_knee",
         "right_ankle",   "left_hip",   "left_knee",      "left_ankle",

@@ -25,6 +25,7 @@
 static int on_a_line(const edml_image_point at[EDML_JOINTS], uint16_t seen)
 {
     const real count = (real)count_seen(seen);
+    const int joints = EDML_JOINTS;
     real u = 0, v = 0; /* mean; joints that were not seen add nothing */
     for (int j = 0; j < EDML_JOINTS; j++) {
         u += at[j].u;
@@ -40,9 +41,9 @@ static int on_a_line(const edml_image_point at[EDML_JOINTS], uint16_t seen)
         uv += MUL(du, dv);
         vv += MUL(dv, dv);
     }
-    uu /= EDML_JOINTS;
-    uv /= EDML_JOINTS;
-    vv /= EDML_JOINTS;
+    uu /= joints;
+    uv /= joints;
+    vv /= joints;
     return MUL(uu, vv) - MUL(uv, uv) <= MUL(MUL(THIN_SQUARED, uu + vv), uu + vv);
 }
 
@@ -116,7 +117,7 @@ static edml_status to_body_frame(edml_image *image, const edml_keypoint in[EDML_
     const uint16_t seen = seen_joints(in);
     if (!are_finite(in, seen)) return EDML_ERR_NOT_FINITE;
     if (count_seen(seen) < fewest_joints) return EDML_ERR_TOO_FEW_JOINTS;
-    if (imputation != NULL && count_seen(seen) < EDML_JOINTS - MAX_IMPUTED) return EDML_ERR_TOO_FEW_JOINTS;
+    if (imputation != NULL && count_seen(seen) + MAX_IMPUTED < EDML_JOINTS) return EDML_ERR_TOO_FEW_JOINTS;
     const image_box box = box_of(in, seen);
     if (box.half_height <= MUL(RESOLUTION, box.magnitude) &&
         box.half_width <= MUL(RESOLUTION, box.magnitude))

@@ -85,7 +85,7 @@ static wide total_stress(const point x[EDML_JOINTS], const real distance[EDML_PA
 real edml_stress(const point x[EDML_JOINTS], const real distance[EDML_PAIRS], edml_objective objective)
 {
     if (objective == EDML_STRESS_NONE) return 0;
-    return SATURATE(total_stress(x, distance, objective) / EDML_PAIRS);
+    return SATURATE(total_stress(x, distance, objective) / (int)EDML_PAIRS);
 }
 
 /* ---- Gradient ---- */

@@ -7,6 +7,7 @@
 
 #include <stddef.h>
 
+#include "layer_inputs.h"
 #include "weights.h"
 
 #include SUM_ROWS

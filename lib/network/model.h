@@ -88,10 +88,10 @@ static inline int edml__output_values(const edml_model *model)
  * distances; of the body's coordinates points and gates, and distances if it likes? */
 static inline int edml__is_known(const edml_model *model)
 {
-    enum { POINTS = EDML_GIVES_POINTS | EDML_GIVES_GATES };
+    const int points = EDML_GIVES_POINTS | EDML_GIVES_GATES;
     if (model->reads == EDML_READS_DISTANCES) return model->gives == EDML_GIVES_DISTANCES;
     return (model->reads | EDML_READS_DISTANCES) == (EDML_READS_BODY | EDML_READS_DISTANCES) &&
-           (model->gives | EDML_GIVES_DISTANCES) == (POINTS | EDML_GIVES_DISTANCES);
+           (model->gives | EDML_GIVES_DISTANCES) == (points | EDML_GIVES_DISTANCES);
 }
 
 /* Can a lift run the model in this work memory?  needed: model->work_bytes or _q. */

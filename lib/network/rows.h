@@ -12,6 +12,7 @@
 
 #include <stddef.h>
 
+#include "layer_inputs.h"
 #include "weights.h"
 
 #include SUM_ROWS

@@ -60,7 +60,7 @@ static EDML_INLINE void add_blocks(value sum[ROWS], const activation *x, const w
     vector s[ROWS];
 #pragma GCC unroll 8
     for (int row = 0; row < ROWS; row++) s[row] = ZERO;
-    for (const activation *const end = x + inputs; x < end; x += EDML_CHUNK, w += ROWS * EDML_CHUNK) {
+    for (const activation *const end = x + inputs; x < end; x += EDML_CHUNK, w += (int)ROWS * EDML_CHUNK) {
         const vector xs = LOAD(x);
 #pragma GCC unroll 8
         for (int row = 0; row < ROWS; row++)

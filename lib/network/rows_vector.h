@@ -20,7 +20,7 @@ typedef float lanes __attribute__((vector_size(4 * LANES), aligned(4), may_alias
 static EDML_INLINE void add_listed(value *sum, const activation *x, const weight *w, const uint8_t *list,
                                    int count, int stride, int groups)
 {
-    lanes s[ROWS / LANES];
+    lanes s[(int)ROWS / LANES];
     const int vectors = groups * EDML_ROWS / LANES;
 #pragma GCC unroll 8
     for (int v = 0; v < vectors; v++) s[v] = *(const lanes *)(sum + LANES * v);

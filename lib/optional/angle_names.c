@@ -4,7 +4,7 @@
  */
 #include "edmlift/angles.h"
 
-static const char *const angle_names[EDML_ANGLES] = {
+static const char angle_names[EDML_ANGLES][25] = {
     "right_elbow_flexion",
     "left_elbow_flexion",
     "right_knee_flexion",

@@ -66,7 +66,7 @@ static real body_scale(api_real height, const real length[EDML_BONES])
     const real wanted = MUL(HEAD_TO_ANKLE, FROM_API(height));
     real has = length[HEAD_BONE]; /* <= 4 * 14 */
     for (int n = FIRST_LEG_BONE; n < EDML_BONES; n++) has += length[n] / 2;
-    return wanted / MAX_ENLARGEMENT <= has && has / MAX_REDUCTION <= wanted ? DIV(wanted, has) : 0;
+    return wanted / (int)MAX_ENLARGEMENT <= has && has / (int)MAX_REDUCTION <= wanted ? DIV(wanted, has) : 0;
 }
 
 /* Joints about the neck: the body's bones in the directions of the pose's.  Returns 0 if a bone has no

@@ -436,7 +436,7 @@ static real mean_step(const edml_track *track, const edml_pose *out)
 {
     real mean = 0;
     for (int j = 0; j < EDML_JOINTS; j++)
-        mean += norm(minus(pose_joint(out, j), track->joint[j].space.at)) / EDML_JOINTS;
+        mean += norm(minus(pose_joint(out, j), track->joint[j].space.at)) / (int)EDML_JOINTS;
     return mean;
 }
 
