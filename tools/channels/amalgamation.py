@@ -1,4 +1,4 @@
-"""One file: the library as edmlift.h and edmlift.c, with the models and parts that are wanted.
+"""The library as one file: edmlift.h and edmlift.c, with the models and parts that are wanted.
 
 Texts are those of include/, lib/ and gen/.  What a choice needs is found from the texts as well: a
 source is there if something that is there asks for what it defines.
@@ -9,18 +9,19 @@ import difflib
 import re
 import shlex
 import sys
+import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 from channels.c_text import (
-    Declaration,
     Token,
     declaration_of,
     directive_of,
-    is_code,
+    is_prototype,
     items,
+    names_in,
     read_tokens,
     text_of,
 )
@@ -34,16 +35,21 @@ from channels.inlining import (
     renamed,
     speaks_words,
 )
+from channels.prototypes import kept_declarations, without_prototypes
+from channels.version import version
 from data.paths import GEN, LIB, ROOT
 
 PUBLIC = INCLUDE / "edmlift.h"
+KERNELS = LIB / "network" / "kernels.h"
 ARITHMETICS = {"float": "f32", "fixed": "q"}
+DEFAULT_PARTS = ["float"]
 HEADINGS = {
     "": "Float32, and what all share",
     "_q": "Fixed point: private names end in _q",
     "_w16": "Networks with weights of 16 bits: private names end in _w16",
     "_w8": "Networks with weights of 8 bits: private names end in _w8",
 }
+KINDS = {"f32": "in float32", "w16": "of 16 bits", "w8": "of 8 bits"}
 UNUSED = """\
 #ifdef __clang__ /* which would tell of inline functions that no part in here uses */
 #pragma clang diagnostic ignored "-Wunused-function"
@@ -66,9 +72,9 @@ def known_models() -> dict[str, str]:
             head = "".join(next(lines) for _ in range(15))
         about = dict(re.findall(r"^ \* (\w[\w ,]*?) {2,}(.*)$", head, re.M))
         error = about["error, mm"].split()[1].strip(",")
-        weights = about["parameters"].partition(",")[0]
-        kind = about["quantiser"].partition(",")[0]
-        found[source.stem] = f"{weights} weights, {kind}; error {error} mm on exact 2D"
+        weights = int(about["parameters"].partition(",")[0])
+        kind = KINDS[source.stem.rpartition("_")[2]]
+        found[source.stem] = f"{weights:,} weights {kind}; {error} mm of error on exact 2D"
     return found
 
 
@@ -83,23 +89,16 @@ def known_parts() -> dict[str, str]:
 
 
 def check_names(kind: str, names: Sequence[str], known: Iterable[str]) -> None:
+    """Raises AmalgamationError for the first name that is not known, with those that are near."""
     known = list(known)
     for name in names:
         if name not in known:
-            near = difflib.get_close_matches(name, known, 3, 0.4) or known
-            raise AmalgamationError(f"There is no {kind} {name}; there is {', '.join(near)}.")
+            near = difflib.get_close_matches(name, known, 3, 0.5)
+            there = f"near it: {', '.join(near)}" if near else f"known: {', '.join(known)}"
+            raise AmalgamationError(f"There is no {kind} {name!r}; {there}.")
 
 
 # ---- What a choice needs -------------------------------------------------------------------------
-
-
-def is_prototype(item: Sequence[Token], declared: Declaration) -> bool:
-    """Does an item only say that something is defined elsewhere?"""
-    return bool(declared.names) and not (declared.is_definition or declared.is_type)
-
-
-def names_in(tokens: Iterable[Token]) -> set[str]:
-    return {token.text for token in tokens if token.kind == "name"}
 
 
 def with_macros(used: set[str], tokens: Sequence[Token]) -> set[str]:
@@ -125,6 +124,15 @@ class Source:
     defines: frozenset[str]
     uses: frozenset[str]
 
+    @property
+    def is_model(self) -> bool:
+        return self.path.parent.name == "models"
+
+    def place(self) -> tuple[object, ...]:
+        """Where in the file: float first, so that its pragmas hold for all of it; models last."""
+        form = -1 if self.is_model else list(FORMS.values()).index(form_of(self.path))
+        return self.is_model, form, not speaks_words(self.path), self.path
+
 
 @cache
 def read_source(path: Path) -> Source:
@@ -136,7 +144,7 @@ def read_source(path: Path) -> Source:
         declared = declaration_of(item)
         if declared.is_definition and not declared.is_static:
             defines |= set(declared.names)
-        if not is_prototype(item, declared):
+        if not is_prototype(declared):
             used |= names_in(item)
     return Source(path, frozenset(defines), frozenset(with_macros(used, tokens)))
 
@@ -154,14 +162,13 @@ def declared_in(header: Path) -> set[str]:
 
 def weak_names() -> set[str]:
     """Functions that models name, and that are NULL where their lift is not."""
-    kernels = read_tokens(LIB / "network" / "kernels.h")
-    prototypes = [item for item in items(kernels) if "EDML_WEAK" in names_in(item)]
+    prototypes = [item for item in items(read_tokens(KERNELS)) if "EDML_WEAK" in names_in(item)]
     return {name for item in prototypes for name in declaration_of(item).names}
 
 
 @dataclass(frozen=True)
 class Choice:
-    """Models and parts, and what they come to."""
+    """Models and parts, in the order in which they are listed."""
 
     models: list[str]
     parts: list[str]
@@ -188,24 +195,18 @@ class Choice:
             if source not in found:
                 found.add(source)
                 wanted += (source.uses & by_name.keys()) - weak
-        return sorted(found, key=lambda source: place_of(source.path))
-
-
-def place_of(source: Path) -> tuple[object, ...]:
-    """Float first, so that its pragmas hold for all of the file; weights last."""
-    form = list(FORMS.values()).index(form_of(source))
-    is_model = source.parent.name == "models"
-    return is_model, 0 if is_model else form, not speaks_words(source), source
+        return sorted(found, key=Source.place)
 
 
 def choose(models: Sequence[str], parts: Sequence[str]) -> Choice:
+    """Raises AmalgamationError if there is no such model or part, or if they do not go together."""
     if not models:
         raise AmalgamationError(f"Name a model: {', '.join(known_models())}.")
     check_names("model", models, known_models())
     check_names("part", parts, ["all", *known_parts()])
     wanted = set(known_parts()) if "all" in parts else set(parts)
     if not wanted & ARITHMETICS.keys():
-        wanted.add("float")
+        wanted |= set(DEFAULT_PARTS)
     floats = [model for model in models if model.endswith("_f32")]
     if floats and "float" not in wanted:
         raise AmalgamationError(f"Fixed point cannot run {floats[0]}: add the part float.")
@@ -215,89 +216,23 @@ def choose(models: Sequence[str], parts: Sequence[str]) -> Choice:
     )
 
 
-# ---- Declarations of what is there ---------------------------------------------------------------
-
-
-def kept_declarations(tokens: Sequence[Token], defined: set[str], prefix: str = "") -> list[Token]:
-    """A header's tokens without the prototypes of what is not defined here; the others with the
-    prefix."""
-    result: list[Token] = []
-    dropped = False
-    for item in items(tokens):
-        if dropped:
-            item = item[end_of_line(item) :]
-        declared = declaration_of(item)
-        dropped = is_prototype(item, declared) and not defined & set(declared.names)
-        if dropped:
-            result += without_comment(item[: first_code(item)])
-        elif is_prototype(item, declared):
-            first = first_code(item)
-            rest = kept_names(item[first:], set(declared.names) - defined)
-            result += [*item[:first], Token("name", prefix), *rest]
-        else:
-            result += item
-    return result
-
-
-def first_code(item: Sequence[Token]) -> int:
-    return next((n for n, token in enumerate(item) if is_code(token)), len(item))
-
-
-def end_of_line(item: Sequence[Token]) -> int:
-    """Past the comment behind the item before."""
-    return next((n for n, token in enumerate(item) if is_code(token) or token.text == "\n"), 0)
-
-
-def without_comment(space: Sequence[Token]) -> list[Token]:
-    """Without the comment on what comes next, if it is there without an empty line between."""
-    comments = [n for n, token in enumerate(space) if token.kind == "comment"]
-    if comments and text_of(space[comments[-1] + 1 :]) == "\n":
-        return list(space[: comments[-1]])
-    return list(space)
-
-
-def kept_names(item: Sequence[Token], undefined: set[str]) -> list[Token]:
-    """extern const edml_model a, b; without some of the names."""
-    if not undefined:
-        return list(item)
-    text = text_of(item)
-    for name in undefined:
-        text = re.sub(rf"\b{name}\b,\s*|,\s*{name}\b", "", text)
-    return [Token("name", text)]
-
-
-def without_prototypes(tokens: Sequence[Token], defined: set[str]) -> list[Token]:
-    """What models declare, and this file has defined before them.  A weak function that it does not
-    define is NULL, also where there are no weak symbols."""
-    result: list[Token] = []
-    for item in items(tokens):
-        first, names, declared = first_code(item), names_in(item), declaration_of(item).names
-        if "EDML_WEAK" in names and not defined & set(declared):
-            text = f"#define {declared[0]} NULL /* that lift is not in this file */"
-            item = [*item[:first], Token("directive", text)]
-        elif names & {"EDML_WEAK", "EDML_KERNEL"}:
-            item = without_comment(item[:first])
-        result += item
-    return result
-
-
 # ---- The two files -------------------------------------------------------------------------------
 
 
-def banner(choice: Choice, about: str, contents: Sequence[str]) -> str:
+def banner(choice: Choice, about: str, contents: Sequence[Path]) -> str:
+    """The comment on top of a file: what it is, how it was made, what is in it, the licence."""
     command = ["tools/amalgamate", *choice.models, "--parts", *choice.parts, "-o", "DIR"]
-    version = re.search(r'EDML_VERSION_STRING "(.*?)"', PUBLIC.read_text("utf-8"))[1]
     licence = (ROOT / "LICENSE").read_text("utf-8").strip()
-    listed = "\n".join(f"  {line}" for line in contents)
+    listed = "\n".join(f"  {name_of(path)}" for path in contents)
     text = (
-        f"edmlift {version} in one file: {about}.  Do not edit.\n"
+        f"edmlift {version()} in one file: {about}.  Do not edit.\n"
         f"Generated by {shlex.join(command)}\n\n"
         f"models  {', '.join(choice.models)}\nparts   {', '.join(choice.parts)}\n\n"
         f"Contents:\n{listed}\n\n"
         f"SPDX-License-Identifier: MIT\n\n{licence}"
     )
-    lines = [f" * {line}".rstrip() for line in text.splitlines()]
-    return "/*" + "\n".join(lines)[2:] + "\n */\n"
+    lines = "\n".join(f" * {line}".rstrip() for line in text.splitlines())
+    return f"/*{lines[2:]}\n */\n"
 
 
 def plain_floats(text: str) -> str:
@@ -315,15 +250,17 @@ def tidy(text: str) -> str:
     return re.sub(r"\n(?:[ \t]*\n){2,}", "\n\n", plain_floats(text)).strip() + "\n"
 
 
+def includes(inliner: Inliner) -> str:
+    return "".join(f"#include {name}\n" for name in sorted(inliner.system))
+
+
 def header_text(choice: Choice, defined: set[str]) -> tuple[str, list[Path]]:
     """edmlift.h without its banner, and the files in it."""
     inliner = Inliner(adapt=lambda path, tokens: kept_declarations(tokens, defined))
-    tokens = [token for header in choice.headers for token in inliner.inline(header)]
-    system = "".join(f"#include {name}\n" for name in sorted(inliner.system))
+    body = tidy(text_of(token for header in choice.headers for token in inliner.inline(header)))
     begin, end = (f"#ifdef __cplusplus\n{line}\n#endif\n" for line in ('extern "C" {', "}"))
-    body = tidy(text_of(tokens))
-    text = f"#ifndef EDMLIFT_H\n#define EDMLIFT_H\n\n{system}\n{begin}\n{body}\n{end}\n#endif\n"
-    return text, inliner.files
+    head = f"#ifndef EDMLIFT_H\n#define EDMLIFT_H\n\n{includes(inliner)}\n{begin}"
+    return f"{head}\n{body}\n{end}\n#endif\n", inliner.files
 
 
 def adapted(defined: set[str]) -> Callable[[Path, list[Token]], list[Token]]:
@@ -332,7 +269,7 @@ def adapted(defined: set[str]) -> Callable[[Path, list[Token]], list[Token]]:
     def adapt(path: Path, tokens: list[Token]) -> list[Token]:
         if INCLUDE in path.parents:
             return kept_declarations(tokens, defined, "EDML_INTERNAL ")
-        if path == LIB / "network" / "kernels.h" or path.parent == GEN:
+        if path == KERNELS or path.parent == GEN:
             return without_prototypes(tokens, defined)
         return tokens
 
@@ -347,38 +284,31 @@ def source_text(
     needless = [path for path in INCLUDE.rglob("*.h") if not declared_in(path) & uses]
     inliner = Inliner(skipped=[*headers, *needless], adapt=adapted(defined))
     text = text_of(inliner.inline(LIB / "number" / "compiler.h"))
-    paths = [source.path for source in sources]
-    groups = [
-        (form, [p for p in paths if form_of(p) == form and p.parent.name != "models"])
-        for form in FORMS.values()
-    ]
-    for form, group in groups:
+    for form in FORMS.values():
+        group = [s.path for s in sources if form_of(s.path) == form and not s.is_model]
         if group:
             inliner.start_form()
             tokens = [token for path in group for token in inliner.inline(path)]
-            text += f"\n\n/* ======== {HEADINGS[form]} ======== */\n" + text_of(
-                renamed(tokens, form)
-            )
-    text += "\n\n/* ======== Models ======== */\n"
-    for path in paths:
-        if path.parent.name == "models":
-            text += text_of(inliner.inline(path))
-    system = "".join(f"#include {name}\n" for name in sorted(inliner.system))
-    return f'#include "edmlift.h"\n\n{system}\n{UNUSED}\n{tidy(text)}', inliner.files
+            text += heading(HEADINGS[form]) + text_of(renamed(tokens, form))
+    text += heading("Models")
+    for source in sources:
+        if source.is_model:
+            text += text_of(inliner.inline(source.path))
+    return f'#include "edmlift.h"\n\n{includes(inliner)}\n{UNUSED}\n{tidy(text)}', inliner.files
 
 
-def texts(models: Sequence[str], parts: Sequence[str]) -> dict[str, str]:
-    """The two files by their names."""
-    choice = choose(models, parts)
-    sources = choice.sources()
-    defined = set().union(*(source.defines for source in sources))
-    header, headers = header_text(choice, defined)
-    source, files = source_text(sources, headers, defined)
-    return {
-        "edmlift.h": banner(choice, "what to include", [name_of(p) for p in headers]) + header,
-        "edmlift.c": banner(choice, "what to compile, as C or C++", [name_of(p) for p in files])
-        + source,
-    }
+def heading(text: str) -> str:
+    return f"\n\n/* ======== {text} ======== */\n"
+
+
+def write(files: dict[str, str], folder: Path) -> None:
+    """Writes all of the files, or none of them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".edmlift") as name:
+        for file, text in files.items():
+            (Path(name) / file).write_text(text, "utf-8", newline="\n")
+        for file in files:
+            (Path(name) / file).replace(folder / file)
 
 
 def amalgamate(models: Sequence[str], parts: Sequence[str], folder: Path) -> None:
@@ -389,13 +319,17 @@ def amalgamate(models: Sequence[str], parts: Sequence[str], folder: Path) -> Non
 
     Raises AmalgamationError for what is not there, and for a folder that cannot be written.
     """
-    files = texts(models, parts)
+    choice = choose(models, parts)
+    sources = choice.sources()
+    defined = set().union(*(source.defines for source in sources))
+    header, headers = header_text(choice, defined)
+    source, contents = source_text(sources, headers, defined)
+    files = {
+        "edmlift.h": banner(choice, "what to include", headers) + header,
+        "edmlift.c": banner(choice, "what to compile, as C or C++", contents) + source,
+    }
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, text in files.items():
-            (folder / f"{name}.new").write_text(text, "utf-8")
-        for name in files:
-            (folder / f"{name}.new").replace(folder / name)
+        write(files, folder)
     except OSError as error:
         raise AmalgamationError(f"Cannot write into {folder}: {error.strerror}.") from None
 
@@ -404,31 +338,41 @@ def amalgamate(models: Sequence[str], parts: Sequence[str], folder: Path) -> Non
 
 
 def listing(title: str, known: dict[str, str]) -> str:
+    """A line each."""
     width = max(map(len, known))
-    return "\n".join(
-        [f"{title}:", *(f"  {name:<{width}}  {about}" for name, about in known.items())]
-    )
+    lines = [f"  {name:<{width}}  {about}" for name, about in known.items()]
+    return "\n".join([f"{title}:", *lines])
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def command_line() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="tools/amalgamate",
-        description="Writes the library as two files, edmlift.h and edmlift.c, for C and C++.",
+        description="Writes the library as two files, edmlift.h and edmlift.c, for C and C++.\n"
+        "docs/one-file.md says how to use them.",
         epilog="\n\n".join([listing("models", known_models()), listing("parts", known_parts())]),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("models", nargs="+", metavar="MODEL", help="a model, such as direct_w8")
     parser.add_argument(
-        "-o", dest="folder", metavar="DIR", type=Path, required=True, help="where to write"
-    )
-    parser.add_argument(
-        "--parts", nargs="+", metavar="PART", default=["float"],
-        help="what else to have, or all; default: float.  Without float and fixed: in float",
+        "-o", dest="folder", metavar="DIR", type=Path, required=True,
+        help="where to write; it is made if it is not there",
     )  # fmt: skip
+    parser.add_argument(
+        "--parts", nargs="+", metavar="PART", default=DEFAULT_PARTS,
+        help="what is in it, or all; default: float.  Parts named without float and fixed are in"
+        " float",
+    )  # fmt: skip
+    return parser
+
+
+def command(arguments: Sequence[str] | None = None) -> int:
+    parser = command_line()
     options = parser.parse_args(arguments)
     try:
         amalgamate(options.models, options.parts, options.folder)
     except AmalgamationError as error:
         print(f"{parser.prog}: {error}", file=sys.stderr)
         return 1
+    for name in ("edmlift.h", "edmlift.c"):
+        print(f"{options.folder / name}  {(options.folder / name).stat().st_size:,} bytes")
     return 0

@@ -144,3 +144,12 @@ def declaration_of(item: Sequence[Token]) -> Declaration:
         "static" in flat,
         not is_function and (is_typedef or bool(tags)),
     )
+
+
+def is_prototype(declared: Declaration) -> bool:
+    """Does it only say that something is defined elsewhere?"""
+    return bool(declared.names) and not (declared.is_definition or declared.is_type)
+
+
+def names_in(tokens: Iterable[Token]) -> set[str]:
+    return {token.text for token in tokens if token.kind == "name"}

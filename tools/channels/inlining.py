@@ -289,11 +289,10 @@ def private_names(tokens: Sequence[Token]) -> set[str]:
 
 def renamed(tokens: Sequence[Token], suffix: str) -> list[Token]:
     """With the suffix at each private name of the form, but not at members of a struct."""
-    pasting = pastes(tokens)
     names = private_names(tokens) if suffix else set()
     result: list[Token] = []
     before = ""
-    for token in expand_pastes(tokens, pasting) if pasting else tokens:
+    for token in expand_pastes(tokens, pastes(tokens)):
         if isinstance(token, Word):
             token = rename(token, names, suffix, before)
         if not is_alias(token):
@@ -304,39 +303,38 @@ def renamed(tokens: Sequence[Token], suffix: str) -> list[Token]:
 
 
 def rename(token: Token, names: set[str], suffix: str, before: str) -> Token:
+    """A name, or those in a line of the preprocessor, with the suffix; `before` is what is in front
+    of it."""
     if token.kind == "name" and token.text in names and before not in (".", "->"):
         return Word("name", token.text + suffix)
-    if token.kind == "directive" and directive_of(token).keyword not in (
-        "pragma",
-        "error",
-        "include",
-    ):
-        inner, before = [], ""
-        for part in tokens_of(re.sub(r"^\s*#\s*", "", token.text)):
-            inner.append(rename(part, names, suffix, before) if inner else part)
+    if token.kind == "directive" and directive_of(token).keyword not in ("pragma", "error"):
+        keyword, *others = tokens_of(token.text.lstrip(" \t#"))
+        inner, before = [keyword], ""
+        for part in others:
+            inner.append(rename(part, names, suffix, before))
             before = part.text if is_code(part) else before
         return Word("directive", f"#{text_of(inner)}")
     return token
 
 
 def pastes(tokens: Sequence[Token]) -> dict[str, str]:
-    """Macros that append something to a name."""
+    """Macros that append something, and what."""
     found = {}
     for token in tokens:
         if token.kind == "directive" and isinstance(token, Word):
             match = re.fullmatch(r"#define (\w+)\((\w+)\) \2##(\w+)", token.text)
-            if match and not match[3][0].isdigit():
+            if match:
                 found[match[1]] = match[3]
     return found
 
 
 def expand_pastes(tokens: Sequence[Token], pasting: dict[str, str]) -> Iterator[Token]:
-    """edml__fconn_w8 for WEIGHTS(edml__fconn)."""
+    """edml__fconn_w8 for WEIGHTS(edml__fconn), but REAL(1.0) as it is."""
     skipped = 0
     for n, token in enumerate(tokens):
         if skipped > 0:
             skipped -= 1
-        elif token.text in pasting and isinstance(token, Word):
+        elif token.text in pasting and tokens[n + 2].kind == "name":
             yield Word("name", tokens[n + 2].text + pasting[token.text])
             skipped = 3
         else:

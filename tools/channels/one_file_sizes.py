@@ -1,0 +1,100 @@
+"""What the library as one file takes: bytes of text, and of flash beside the library, as Markdown.
+
+    run.py channels.one_file_sizes             prints the table of docs/one-file.md
+    run.py channels.one_file_sizes --update    writes it
+
+Flash is what a program links that does nothing but lift, code and weights, by gcc -Os.
+"""
+
+import argparse
+import re
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from channels.amalgamation import amalgamate, choose
+from data.paths import DOCS
+from reports import markdown
+from reports.size import BENCH, LEVEL, Row, to_table
+from reports.targets import TARGETS, Target, ToolError, build, compile_library, run
+
+CORE = "cortex-m4f"
+CHOICES = [
+    ("direct_w8", ["float"]),
+    ("direct_w16", ["float"]),
+    ("direct_w16", ["fixed"]),
+    ("direct_w16", ["all"]),
+]
+HEAD = ["models and parts", "text, bytes", "flash, bytes", "as many files", "more"]
+
+
+@dataclass(frozen=True)
+class Size:
+    """A row of the table."""
+
+    choice: str
+    text: int  # of edmlift.c
+    flash: int
+    many: int  # flash where the program is linked with the library as many files
+
+    @property
+    def more(self) -> float:
+        """Per cent of flash beyond that."""
+        return 100 * (self.flash - self.many) / self.many
+
+
+def linked_bytes(image: Path, target: Target) -> int:
+    """Code and constants of an image."""
+    listed = run(f"{target.system.cross}size", "-A", image)
+    return sum(int(size) for size in re.findall(r"^\.(?:text|rodata)\s+(\d+)", listed, re.M))
+
+
+def measure(model: str, parts: Sequence[str]) -> Size:
+    """A choice on the core, beside the same sources as files of their own."""
+    target = TARGETS[CORE]
+    options = [f"-DMODEL=edml_{model}", "-nostartfiles", "-Wl,--entry=main"]
+    options += ["-DFIXED"] if "float" not in parts and "all" not in parts else []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        amalgamate([model], parts, folder)
+        sources = [source.path for source in choose([model], parts).sources()]
+        many = compile_library(target, LEVEL, folder, sources)
+        one, as_many = (
+            linked_bytes(
+                build(
+                    BENCH / "smallest.c", target, LEVEL, folder / "image", *options, library=files
+                ),
+                target,
+            )
+            for files in ([folder / "edmlift.c"], many)
+        )
+        text = (folder / "edmlift.c").stat().st_size
+    return Size(f"`{model} --parts {' '.join(parts)}`", text, one, as_many)
+
+
+def size_table(sizes: Sequence[Size]) -> str:
+    rows: list[Row] = [[s.choice, s.text, s.flash, s.many, f"{s.more:.1f} %"] for s in sizes]
+    return to_table(HEAD, rows)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--update", action="store_true")
+    args = parser.parse_args()
+    try:
+        table = size_table([measure(model, parts) for model, parts in CHOICES])
+        print(table)
+        if args.update:
+            markdown.write(DOCS / "one-file.md", "one_file", table)
+    except (ToolError, OSError, ValueError) as error:
+        print(f"one_file_sizes: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
