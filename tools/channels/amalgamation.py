@@ -71,10 +71,10 @@ def known_models() -> dict[str, str]:
         with (GEN / f"{source.stem}.h").open(encoding="utf-8") as lines:
             head = "".join(next(lines) for _ in range(15))
         about = dict(re.findall(r"^ \* (\w[\w ,]*?) {2,}(.*)$", head, re.M))
-        error = about["error, mm"].split()[1].strip(",")
+        measured = re.match(r"gt ([\d.]+)", about["error, mm"])
+        error = f"{measured[1]} mm of error on exact 2D" if measured else "error not measured"
         weights = int(about["parameters"].partition(",")[0])
-        kind = KINDS[source.stem.rpartition("_")[2]]
-        found[source.stem] = f"{weights:,} weights {kind}; {error} mm of error on exact 2D"
+        found[source.stem] = f"{weights:,} weights {KINDS[source.stem.rpartition('_')[2]]}; {error}"
     return found
 
 
@@ -258,6 +258,9 @@ def header_text(choice: Choice, defined: set[str]) -> tuple[str, list[Path]]:
     """edmlift.h without its banner, and the files in it."""
     inliner = Inliner(adapt=lambda path, tokens: kept_declarations(tokens, defined))
     body = tidy(text_of(token for header in choice.headers for token in inliner.inline(header)))
+    for model in choice.models:
+        if not re.search(rf"\bedml_{model}\b", body):  # one of the user's own
+            body += f"\nextern const edml_model edml_{model};\n"
     begin, end = (f"#ifdef __cplusplus\n{line}\n#endif\n" for line in ('extern "C" {', "}"))
     head = f"#ifndef EDMLIFT_H\n#define EDMLIFT_H\n\n{includes(inliner)}\n{begin}"
     return f"{head}\n{body}\n{end}\n#endif\n", inliner.files

@@ -31,9 +31,13 @@ def readme() -> bytes:
 
 
 def build(out: Path) -> list[Path]:
-    """Writes edmlift-VERSION-one-file.zip into a folder: a folder a choice, with all parts."""
+    """Writes edmlift-VERSION-one-file.zip into a folder: a folder a choice, with all
+    parts; the page, and the program that it compiles."""
     top = f"edmlift-{version()}-one-file"
-    files: dict[str, bytes | Path] = {f"{top}/README.md": readme()}
+    files: dict[str, bytes | Path] = {
+        f"{top}/README.md": readme(),
+        f"{top}/lift.c": ROOT / "examples" / "lift.c",
+    }
     with tempfile.TemporaryDirectory() as name:
         for choice, models in choices().items():
             amalgamate(models, ["all"], Path(name) / choice)

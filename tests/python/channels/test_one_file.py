@@ -254,7 +254,7 @@ def test_the_archive_has_a_file_that_lifts(archive: Path, tmp_path: Path) -> Non
     with zipfile.ZipFile(archive) as files:
         names = [name.partition("/")[2] for name in files.namelist()]
         page = files.read(f"{archive.stem}/README.md").decode()
-    assert names == ["README.md", "direct_w8/edmlift.c", "direct_w8/edmlift.h"]
+    assert names == ["README.md", "direct_w8/edmlift.c", "direct_w8/edmlift.h", "lift.c"]
     assert page.startswith("# ") and "](" not in page
     one_file.check([archive])
 
