@@ -71,7 +71,23 @@ export interface Options {
   /** Default: "direct_w8". */
   model?: ModelName;
   /** Where the model's .wasm is, if not beside this module; or what is in it.  A bundler's URL, for example. */
-  wasm?: URL | string | BufferSource | WebAssembly.Module | Response | Promise<Response>;
+  wasm?: Wasm | Promise<Wasm>;
+}
+
+/** A URL, or in Node.js a path; the answer of fetch(); the bytes of the file; or the file, compiled. */
+export type Wasm = string | { readonly href: string } | FetchedFile | ArrayBuffer | ArrayBufferView | WebAssembly.Module;
+
+/** What is asked of a Response. */
+export interface FetchedFile {
+  readonly ok: boolean;
+  readonly status: number;
+  arrayBuffer(): Promise<ArrayBuffer>;
+}
+
+declare global {
+  namespace WebAssembly {
+    interface Module {} // for projects without the types of browsers
+  }
 }
 
 /** Loads a model.  It can load several; each lifter is independent, and no call waits for anything.

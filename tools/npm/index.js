@@ -42,50 +42,52 @@ const TRACK_OPTIONS = ["format", "up", "width", "height", "threshold", "mirrored
 
 // ---- Loading ------------------------------------------------------------------------------------
 
-// A function of a module whose body has two instructions with SIMD.
-const SIMD = WebAssembly.validate(
-  new Uint8Array([
-    0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11,
-  ]),
-);
+// A program of one function, which has two instructions with SIMD.
+const SIMD_PROGRAM = [
+  0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11,
+];
 
-/** What a promise or a URL stands for: a compiled module, or bytes. */
-async function contentOf(source, name) {
-  const content = await source;
-  if (content instanceof URL || typeof content === "string") return read(content, name);
-  if (typeof Response === "function" && content instanceof Response) return bytesOf(content, content.url || name);
-  const isBytes = content instanceof ArrayBuffer || ArrayBuffer.isView(content);
-  if (isBytes || content instanceof WebAssembly.Module) return content;
-  throw new TypeError("wasm must be a URL, a Response, the file's bytes or a WebAssembly.Module");
+/** Where the package has a model. */
+function beside(model) {
+  const file = WebAssembly.validate(new Uint8Array(SIMD_PROGRAM)) ? model : `${model}_scalar`;
+  return new URL(`./${file}.wasm`, import.meta.url);
 }
 
-async function read(place, name) {
-  const inNode = typeof process === "object" && process.versions?.node !== undefined;
+/** What a place, an answer of fetch() or a promise of these stands for: bytes, or a compiled module. */
+async function contentOf(source, name) {
+  const isPlace = (value) => typeof value === "string" || value instanceof URL;
   try {
-    if (inNode && !/^(https?|data|blob):/.test(place)) {
-      const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ "node:fs/promises");
-      return await readFile(place instanceof URL || !/^file:/.test(place) ? place : new URL(place));
-    }
-    return await bytesOf(await fetch(place), place);
+    const given = await source;
+    const found = isPlace(given) ? await read(given) : given;
+    if (found?.ok === false) throw new Error(`the server answered ${found.status} ${found.statusText ?? ""}`.trim());
+    return typeof found?.arrayBuffer === "function" ? await found.arrayBuffer() : found;
   } catch (cause) {
     throw new Error(
-      `${name} cannot be loaded from ${place}: ${cause.message}. The .wasm files must lie beside index.js, or ` +
-        "load({ wasm: URL }) must say where this one is",
+      `${name} cannot be loaded${isPlace(source) ? ` from ${source}` : ""}: ${cause.message}. The .wasm files must lie ` +
+        "beside index.js, or load({ wasm }) must say where the file is",
       { cause },
     );
   }
 }
 
-async function bytesOf(response, place) {
-  if (!response.ok) throw new Error(`${place}: ${response.status} ${response.statusText}`.trim());
-  return response.arrayBuffer();
+/** A file's bytes, or the answer of fetch(), which reads no files in Node.js. */
+async function read(place) {
+  const inNode = typeof process === "object" && process.versions?.node !== undefined;
+  if (!inNode || /^(https?|data|blob):/.test(place)) return fetch(place);
+  const files = "node:fs/promises"; // a name that bundlers do not look for
+  const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ files);
+  return readFile(/^file:/.test(place) ? new URL(place) : place);
 }
 
 /** The exports of a model's program, which is checked. */
 async function start(content, name) {
+  const isModule = content instanceof WebAssembly.Module;
+  if (!isModule && !(content instanceof ArrayBuffer) && !ArrayBuffer.isView(content)) {
+    throw new TypeError("wasm must be a URL, an answer of fetch(), the file's bytes or a WebAssembly.Module");
+  }
   let program;
   try {
-    const module = content instanceof WebAssembly.Module ? content : await WebAssembly.compile(content);
+    const module = isModule ? content : await WebAssembly.compile(content);
     program = (await WebAssembly.instantiate(module)).exports;
   } catch (cause) {
     throw new Error(`${name} is no WebAssembly that can run here: ${cause.message}`, { cause });
@@ -108,8 +110,8 @@ export async function load(options = {}) {
   if (model !== undefined && !MODELS.includes(model)) {
     throw new RangeError(`model ${quoted(model)} is not known; there are ${MODELS.join(", ")}`);
   }
-  const file = `${model ?? MODELS[0]}${SIMD ? "" : "_scalar"}.wasm`;
-  const program = await start(await contentOf(wasm ?? new URL(`./${file}`, import.meta.url), file), file);
+  const name = model ?? (wasm === undefined ? MODELS[0] : "wasm");
+  const program = await start(await contentOf(wasm ?? beside(name), name), name);
   const found = textAt(program, program.model_name());
   if (model !== undefined && found !== model) {
     throw new Error(`wasm has the model ${quoted(found)}, not ${quoted(model)}`);
