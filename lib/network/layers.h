@@ -27,7 +27,8 @@ enum {
 };
 
 /* Where a processor multiplies several numbers of 16 bits at a time. */
-#if defined(__ARM_FEATURE_DSP) || defined(__ARM_FEATURE_MVE) || defined(__SSE2__) || defined(__wasm_simd128__)
+#if defined(__ARM_FEATURE_DSP) || defined(__ARM_FEATURE_MVE) || defined(__SSE2__) ||                       \
+    defined(__wasm_simd128__)
 #define EDML_BLOCKS_BY_ROW
 #endif
 

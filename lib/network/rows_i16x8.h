@@ -25,8 +25,8 @@ typedef v128_t vector;
 #include <emmintrin.h>
 typedef __m128i vector;
 #define LOAD(p) _mm_loadu_si128((const __m128i *)(p))
-#define TWICE(bytes) _mm_unpacklo_epi8(bytes, bytes)
-#define LOAD_BYTES(p) _mm_srai_epi16(TWICE(_mm_loadl_epi64((const __m128i *)(p))), 8) /* the upper has the sign */
+#define TWICE(bytes) _mm_unpacklo_epi8(bytes, bytes) /* the upper one has the sign */
+#define LOAD_BYTES(p) _mm_srai_epi16(TWICE(_mm_loadl_epi64((const __m128i *)(p))), 8)
 #define STORE(p, a) _mm_storeu_si128((__m128i *)(p), a)
 #define ZERO _mm_setzero_si128()
 #define ADD(a, b) _mm_add_epi32(a, b)

@@ -49,6 +49,14 @@ def build(folder: Path) -> list[Path]:
     return [archive]
 
 
+def write_package(folder: Path) -> None:
+    """All files of the package into a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for file in package_files(folder):
+        if file.parent != folder:
+            (folder / file.name).write_bytes(file.read_bytes())
+
+
 def package_files(folder: Path) -> list[Path]:
     """All that the package has; what is compiled comes into the folder."""
     texts = [*(NPM / name for name in TEXTS), ROOT / "LICENSE"]
@@ -86,11 +94,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("folder", type=Path, help="where the package's files are written")
     folder = parser.parse_args().folder
-    folder.mkdir(parents=True, exist_ok=True)
     try:
-        for file in package_files(folder):
-            if file.parent != folder:
-                (folder / file.name).write_bytes(file.read_bytes())
+        write_package(folder)
     except ToolError as error:
         print(f"channels.npm: {error}", file=sys.stderr)
         return 1

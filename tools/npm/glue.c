@@ -19,7 +19,8 @@ enum { PEOPLE = 64, KEYPOINTS = 33, THE_JOINTS = -1, FAR = 10 };
 
 const char version[] = EDML_VERSION_STRING;
 
-struct { /* how keypoints are read and people lifted; LiftOptions of index.d.ts */
+/* LiftOptions of index.d.ts: how keypoints are read and people lifted. */
+struct {
     int32_t format; /* in edml_formats, or THE_JOINTS */
     int32_t mirrored, knows_up, knows_camera;
     float threshold, width, height; /* of the picture, pixels; 0: not known */
@@ -33,7 +34,8 @@ edml_pose poses[PEOPLE];
 edml_status status[PEOPLE];
 float quality, degrees[EDML_ANGLES];
 
-struct { /* of one person's video: index.js keeps a copy for each */
+/* One person's video: index.js keeps a copy for each. */
+struct {
     edml_track track;
     edml_measured_body bones;
 } person;

@@ -1,7 +1,6 @@
 """The npm package: installed as users do, and run in Node.js; the bits are the library's."""
 
 import base64
-import gzip
 import http.server
 import json
 import re
@@ -18,10 +17,11 @@ from builds import need
 from support import EXAMPLES, ROOT, need_library
 
 import edmlift
-from channels import npm
+from channels import npm, npm_figures
 from channels.version import version
 from edmlift import _binding
 from edmlift.formats import BY_IMAGE, BY_SQUARE, NOT_NORMALISED, find_format
+from reports import markdown
 from reports.targets import run
 
 pytestmark = pytest.mark.xdist_group("npm")  # which is built once
@@ -78,7 +78,31 @@ def test_the_tarball_has_what_npm_asks_for(tarball: Path) -> None:
 def test_a_page_loads_little(project: Path) -> None:
     for variant in npm.VARIANTS:
         program = project / "node_modules" / "edmlift" / f"direct_w8{variant}.wasm"
-        assert len(gzip.compress(program.read_bytes(), 9)) < W8_GZIPPED
+        assert npm_figures.gzipped(program) < W8_GZIPPED
+
+
+def test_the_page_says_how_large_models_are(project: Path) -> None:
+    """Within 3 %, by which compilers differ."""
+    folder = project / "node_modules" / "edmlift"
+    rows = markdown.read(npm_figures.PAGE, npm_figures.NAME).splitlines()[2:]
+    assert len(rows) == len(npm.MODELS)
+    for row in rows:
+        model, plain_bytes, gzip_bytes = (cell.strip(" `") for cell in row.split("|")[1:4])
+        program = folder / f"{model}.wasm"
+        sizes = program.stat().st_size, npm_figures.gzipped(program)
+        assert sizes == pytest.approx([read_count(plain_bytes), read_count(gzip_bytes)], rel=0.03)
+
+
+def read_count(text: str) -> int:
+    return int(text.replace(",", ""))
+
+
+def test_the_page_shows_a_program_and_what_it_prints(project: Path) -> None:
+    program = ROOT / "examples" / "javascript" / "lift.mjs"
+    shutil.copy(program, project)
+    page = npm_figures.PAGE.read_text("utf-8")
+    assert f"```js\n{program.read_text('utf-8')}```" in page
+    assert f"```\n{run('node', 'lift.mjs', cwd=project)}```" in page
 
 
 # ---- What it answers ---------------------------------------------------------------------------

@@ -1,0 +1,74 @@
+"""What a page loads, and how fast it lifts: bytes and poses a second of each model, as Markdown.
+
+    run.py channels.npm_figures            prints a row a model
+    run.py channels.npm_figures --update   writes the table of docs/browser.md
+
+Poses a second are those of Node.js on one core of this machine, by the processor's time; medians.
+"""
+
+import argparse
+import gzip
+import json
+import sys
+import tempfile
+from pathlib import Path
+
+from channels.npm import MODELS, NPM, VARIANTS, write_package
+from data.paths import DOCS, EXAMPLES
+from reports import markdown
+from reports.targets import ToolError, run
+
+PAGE, NAME = DOCS / "browser.md", "browser_models"
+HEAD = [
+    "bytes", "after gzip", "poses a second, one by one", "by `liftMany`", "`liftMany` without SIMD"
+]  # fmt: skip
+
+
+def gzipped(file: Path) -> int:
+    """The bytes that a server sends of a file."""
+    return len(gzip.compress(file.read_bytes(), 9, mtime=0))
+
+
+def speeds(folder: Path) -> dict[str, dict[str, int]]:
+    """Poses a second by `lift` and by `liftMany` of each file, in hundreds."""
+    names = [f"{model}{variant}" for model in MODELS for variant in VARIANTS]
+    found = json.loads(run("node", NPM / "speed.mjs", folder, EXAMPLES / "walk.csv", *names))
+    return {
+        name: {call: round(rate, -2) for call, rate in of.items()} for name, of in found.items()
+    }
+
+
+def table() -> str:
+    """The table of docs/browser.md."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        write_package(folder)
+        rates = speeds(folder)
+        rows = {
+            f"`{model}`": [
+                (folder / f"{model}.wasm").stat().st_size, gzipped(folder / f"{model}.wasm"),
+                *rates[model].values(), rates[f"{model}_scalar"]["liftMany"],
+            ]
+            for model in MODELS
+        }  # fmt: skip
+    return markdown.table("model", HEAD, rows, markdown.counted)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--update", action="store_true", help=f"writes the table of {PAGE.name}")
+    update = parser.parse_args().update
+    try:
+        text = table()
+    except ToolError as error:
+        print(f"channels.npm_figures: {error}", file=sys.stderr)
+        return 1
+    if update:
+        markdown.write(PAGE, NAME, text)
+    else:
+        print(text, end="")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
