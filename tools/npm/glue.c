@@ -6,6 +6,7 @@
  */
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "edmlift.h" /* the library in one file, with its parts */
 
@@ -123,16 +124,13 @@ static void exchange_sides(edml_keypoint of[EDML_JOINTS])
 static int read_joints(int people)
 {
     const edml_format *const f = format();
-    const int count = f == NULL ? EDML_JOINTS : f->keypoints;
-    if (!prepare(keypoints, people * count, f == NULL ? EDML_NOT_NORMALISED : f->normalised)) return 0;
-    for (int n = 0; n < people; n++) {
-        const edml_keypoint *const of = keypoints + n * count;
-        if (f == NULL)
-            for (int j = 0; j < EDML_JOINTS; j++) joints[n][j] = of[j];
-        else
-            edml_adapt(joints[n], of, f);
-        if (options.mirrored) exchange_sides(joints[n]);
-    }
+    const int count = people * (f == NULL ? EDML_JOINTS : f->keypoints);
+    if (!prepare(keypoints, count, f == NULL ? EDML_NOT_NORMALISED : f->normalised)) return 0;
+    if (f == NULL)
+        memcpy(joints, keypoints, (size_t)count * sizeof *keypoints);
+    else
+        edml_adapt_many(joints[0], keypoints, people, f);
+    for (int n = 0; options.mirrored && n < people; n++) exchange_sides(joints[n]);
     return 1;
 }
 
