@@ -6,7 +6,9 @@ It needs clang and wasm-ld.  index.js takes the files with SIMD where the engine
 """
 
 import argparse
+import shutil
 import sys
+import tarfile
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -14,10 +16,11 @@ from pathlib import Path
 from channels.amalgamation import amalgamate
 from channels.archives import write_tar
 from channels.version import version
-from data.paths import ROOT
+from data.paths import DOCS, ROOT
 from reports.targets import ToolError, run
 
 NPM = ROOT / "tools" / "npm"
+PAGE, EXAMPLE = DOCS / "browser.md", ROOT / "examples" / "javascript" / "lift.mjs"
 TEXTS = ("package.json", "index.js", "index.d.ts", "README.md")
 MODELS = ("direct_w8", "direct_w16", "direct_f32", "distances_w8", "distances_w16", "distances_f32")
 PARTS = ("angles", "body", "camera", "many", "video")
@@ -39,14 +42,34 @@ LINK = [
 ]  # fmt: skip
 
 
-def build(folder: Path) -> list[Path]:
+def build(out: Path) -> list[Path]:
     """edmlift-VERSION.tgz, as `npm pack` would make it."""
     with tempfile.TemporaryDirectory() as temporary:
-        files = package_files(Path(temporary))
-        archive = write_tar(
-            folder / f"edmlift-{version()}.tgz", {f"package/{f.name}": f for f in files}
-        )
-    return [archive]
+        files = {f"package/{file.name}": file for file in package_files(Path(temporary))}
+        return [write_tar(out / f"edmlift-{version()}.tgz", files)]
+
+
+def check(artefacts: Sequence[Path]) -> None:
+    """Installs the package into an empty folder, and lifts a pose; raises ToolError."""
+    (tarball,) = artefacts
+    with tempfile.TemporaryDirectory() as temporary:
+        install(tarball, Path(temporary))
+        shutil.copy(EXAMPLE, temporary)
+        said = run("node", EXAMPLE.name, cwd=temporary)
+        if said not in PAGE.read_text("utf-8"):
+            raise ToolError(f"{EXAMPLE.name} says what {PAGE.name} does not show:\n{said}")
+
+
+def install(tarball: Path, folder: Path) -> None:
+    """The package of a tarball into a project's folder."""
+    if shutil.which("npm"):
+        quiet = ("--offline", "--no-audit", "--no-fund", "--cache", folder / "cache")
+        run("npm", "install", tarball.resolve(), *quiet, cwd=folder)
+    else:  # which is 300 packages of Debian: as it does with a package that needs no others
+        modules = folder / "node_modules"
+        with tarfile.open(tarball) as archive:
+            archive.extractall(modules, filter="data")
+        (modules / "package").rename(modules / "edmlift")
 
 
 def write_package(folder: Path) -> None:

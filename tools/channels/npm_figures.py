@@ -13,12 +13,12 @@ import sys
 import tempfile
 from pathlib import Path
 
-from channels.npm import MODELS, NPM, VARIANTS, write_package
-from data.paths import DOCS, EXAMPLES
+from channels.npm import MODELS, NPM, PAGE, VARIANTS, write_package
+from data.paths import EXAMPLES
 from reports import markdown
 from reports.targets import ToolError, run
 
-PAGE, NAME = DOCS / "browser.md", "browser_models"
+NAME = "browser_models"
 HEAD = [
     "bytes", "after gzip", "poses a second, one by one", "by `liftMany`", "`liftMany` without SIMD"
 ]  # fmt: skip
