@@ -19,6 +19,7 @@ enum { PEOPLE = 64, KEYPOINTS = 33, THE_JOINTS = -1, FAR = 10 };
 /* ---- What index.js writes and reads ------------------------------------------------------------- */
 
 const char version[] = EDML_VERSION_STRING;
+const int32_t most_people = PEOPLE; /* in a call */
 
 /* LiftOptions of index.d.ts: how keypoints are read and people lifted. */
 struct {

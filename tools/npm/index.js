@@ -33,7 +33,6 @@ export const STATUSES = Object.freeze([
 const THE_JOINTS = "edmlift14";
 const DETECTOR_THRESHOLD = 0.1; // docs/detectors.md says why
 const MOST_BONES = 60; // EDML_MEASURED_POSES
-const PEOPLE = 64; // the most that glue.c lifts at a time
 const POSE_WORDS = 44; // of edml_pose: 42 coordinates, the misfit and the joints that were seen
 const BY_SQUARE = 2; // edml_format.normalised: y comes before x
 const [ARMS, LEGS] = [1, 2]; // edml_track.swapped
@@ -238,6 +237,10 @@ class Engine {
     return this.program[name].value / 4;
   }
 
+  number(name) {
+    return this.integers[this.word(name)];
+  }
+
   /** LiftOptions, checked. */
   settings(options) {
     const { format = THE_JOINTS } = options;
@@ -289,7 +292,7 @@ class Engine {
   /** The first pose, and the joints that it comes from. */
   pose() {
     const { floats, integers } = this;
-    const status = -integers[this.word("status")];
+    const status = -this.number("status");
     const at = this.word("poses");
     const points = this.word("joints");
     const keypoints = floats.slice(points, points + 42);
@@ -342,8 +345,9 @@ export class Lifter {
     const given = ArrayBuffer.isView(keypoints) ? keypoints : Float32Array.from(keypoints);
     const poses = { joints: new Float32Array(42 * count).fill(NaN), status: new Uint8Array(count), count };
     this.#engine.set(settings);
-    for (let first = 0; first < count; first += PEOPLE) {
-      const people = Math.min(PEOPLE, count - first);
+    const most = this.#engine.number("most_people");
+    for (let first = 0; first < count; first += most) {
+      const people = Math.min(most, count - first);
       this.#liftSome(poses, first, people, given.subarray(first * each, (first + people) * each), settings);
     }
     return poses;
@@ -436,7 +440,7 @@ export class Track {
   /** Where the program has the state of a person. */
   #state() {
     const at = this.#engine.program.person.value;
-    return this.#engine.bytes.subarray(at, at + this.#engine.integers[this.#engine.word("person_bytes")]);
+    return this.#engine.bytes.subarray(at, at + this.#engine.number("person_bytes"));
   }
 
   #time(milliseconds) {

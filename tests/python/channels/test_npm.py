@@ -362,6 +362,12 @@ def test_types_name_what_there_is() -> None:
     assert union("Format") == {"edmlift14", *edmlift.FORMATS}
 
 
+def test_every_format_has_room() -> None:
+    need_library()
+    glue = (npm.NPM / "glue.c").read_text("utf-8")
+    assert int(re.search(r"KEYPOINTS = (\d+)", glue)[1]) >= max(edmlift.FORMATS.values())
+
+
 # ---- What is wrong -----------------------------------------------------------------------------
 
 POSE = [[100.0 + 10 * k, 100.0 + k * k, 0.9] for k in range(17)]
