@@ -15,6 +15,7 @@ from package_support import DATA, ROOT, WALK, need_library
 import edmlift
 from edmlift.__main__ import main
 from edmlift.drawing.palette import SIDES, rgb
+from edmlift.drawing.palette import TRUTH as TRUTH_COLOUR
 from edmlift.drawing.scene import level
 from edmlift.joint_angles import flexion, heading, lean
 from edmlift.viewing import pages, photographs
@@ -221,9 +222,9 @@ def test_contrast(tmp_path: Path, scheme: str):
     parts = (light, dark) if scheme == "dark" else (light,)
     colours = {name: value for part in parts
                for name, value in re.findall(r"--(\w+): (#\w{6});", part)}  # fmt: skip
-    assert {side: colours[side] for side in ("right", "left")} == {
-        side: SIDES[side] for side in ("right", "left")
-    }
+    drawn = {**SIDES, "truth": TRUTH_COLOUR}  # in the pictures of `edmlift draw`, too
+    same = drawn if scheme == "light" else {side: SIDES[side] for side in ("right", "left")}
+    assert {name: colours[name] for name in same} == same
     for names, wanted in (("text faint refused", 4.5), ("right left trunk truth focus", 3.0)):
         for name in names.split():
             for behind in ("page", "panel"):

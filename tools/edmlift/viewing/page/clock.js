@@ -1,6 +1,6 @@
 /* The clock: which frame is shown, and how it moves on. */
 
-class Clock {
+export class Clock {
   constructor(frames, fps, moved) {
     Object.assign(this, { frames, fps, moved });
     this.frame = 0;

@@ -1,9 +1,13 @@
 /* Curves over time, a row each, with a cursor that follows; and the strip of the time line. */
 
+import { digits } from "./joints.js";
+import { Surface, colours, css } from "./paint.js";
+import { MISSING } from "./recording.js";
+
 const EDGE = 8; // pixels beside the time axis: half the slider's thumb
 
 /** The frames that are shown over the width of a plot. */
-class TimeAxis {
+export class TimeAxis {
   constructor(frames) {
     this.frames = frames;
     this.first = 0;
@@ -32,7 +36,7 @@ class TimeAxis {
   }
 }
 
-class CurveRow {
+export class CurveRow {
   constructor(row, axis, changed) {
     Object.assign(this, { row, axis });
     this.element = make("div", "row");
@@ -136,7 +140,7 @@ class CurveRow {
 }
 
 /** The strip behind the slider: the frames without a pose, and what the curves show. */
-class Strip {
+export class Strip {
   constructor(canvas, recording, changed) {
     this.recording = recording;
     this.axis = new TimeAxis(recording.frames);
@@ -184,7 +188,7 @@ function amountText(row, value, count) {
 }
 
 /** A new element, with its class and text. */
-function make(tag, classes = "", text = "") {
+export function make(tag, classes = "", text = "") {
   const element = document.createElement(tag);
   if (classes) element.className = classes;
   if (text) element.textContent = text;

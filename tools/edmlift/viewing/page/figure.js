@@ -1,5 +1,11 @@
 /* The figure: a pose in 3D, on a floor, in mild perspective, with what is farthest drawn first. */
 
+import { ANKLES, HEAD, JOINT_COUNT, MIDDLE, TORSO, floorOf } from "./joints.js";
+import {
+  BLACK, Surface, WHITE, capsule, colours, css, disc, mix, nameJoints,
+} from "./paint.js";
+import { drawRing } from "./skeleton.js";
+
 const DISTANCE = 5; // metres from which the figure is looked at
 const GRID_STEP = 0.25; // metres
 const GRID_HALF = 8; // squares on each side
@@ -24,47 +30,39 @@ const TRUNK_RADIUS = 0.04; // of the collar bones and the pelvis, at most
 const HEAD_RADIUS = 0.105;
 const NECK_SHARE = 0.6; // of the way to the head that the neck is drawn
 
-class FigureView {
-  constructor(canvas, recording, changed) {
-    this.recording = recording;
+/** How much room poses take: height and radius of a cylinder around nearly all of them, metres. */
+export function roomOf(poses) {
+  const [heights, radii] = [[], []];
+  for (const pose of poses) {
+    const floor = floorOf(pose);
+    let [height, radius] = [0, 0];
+    for (let joint = 0; joint < JOINT_COUNT; joint++) {
+      height = Math.max(height, floor - pose[3 * joint + 1]);
+      radius = Math.max(radius, Math.hypot(pose[3 * joint], pose[3 * joint + 2]));
+    }
+    heights.push(height);
+    radii.push(radius);
+  }
+  const most = (values, otherwise) =>
+    values.sort((a, b) => a - b)[Math.floor(0.98 * (values.length - 1))] ?? otherwise;
+  return {
+    height: Math.max(0.6, most(heights, 1.6) + HEAD_RADIUS),
+    radius: Math.max(0.45, most(radii, 0.5)) + HEAD_RADIUS,
+  };
+}
+
+/* A pose is a Float32Array of x right, y down, z away from the camera in metres, of the 14 joints and
+ * the middle of the hips. */
+export class FigureView {
+  /** body  { names, bones, jointSides }: bones are pairs of joints with their side
+   *  room  what roomOf() says of the poses to come */
+  constructor(canvas, body, room, changed) {
+    this.body = body;
+    this.room = room;
     this.surface = new Surface(canvas, changed);
     this.view = { ...HOME };
     this.swing = null;
-    this.pose = new Float32Array(3 * (JOINT_COUNT + 1));
-    this.truth = new Float32Array(3 * (JOINT_COUNT + 1));
     this.points = [];
-    this.measure();
-  }
-
-  /** How much room the poses take: half the height and width of a box around nearly all. */
-  measure() {
-    const { recording, pose } = this;
-    const [heights, radii] = [[], []];
-    const stride = Math.max(1, Math.floor(recording.frames / 2000));
-    for (let frame = 0; frame < recording.frames; frame += stride) {
-      if (!recording.pose(frame, pose) && !recording.truePose(frame, pose)) continue;
-      const floor = floorOf(pose);
-      let [height, radius] = [0, 0];
-      for (let joint = 0; joint < JOINT_COUNT; joint++) {
-        height = Math.max(height, floor - pose[3 * joint + 1]);
-        radius = Math.max(radius, Math.hypot(pose[3 * joint], pose[3 * joint + 2]));
-      }
-      heights.push(height);
-      radii.push(radius);
-    }
-    const most = (values, otherwise) =>
-      values.sort((a, b) => a - b)[Math.floor(0.98 * (values.length - 1))] ?? otherwise;
-    this.height = Math.max(0.6, most(heights, 1.6) + HEAD_RADIUS);
-    this.radius = Math.max(0.45, most(radii, 0.5)) + HEAD_RADIUS;
-  }
-
-  /** Takes a frame, and where its floor is. */
-  take(frame, withTruth) {
-    const { recording } = this;
-    this.frame = frame;
-    this.hasPose = recording.pose(frame, this.pose);
-    this.hasTruth = withTruth && recording.truePose(frame, this.truth);
-    this.floor = this.hasPose ? floorOf(this.pose) : this.hasTruth ? floorOf(this.truth) : 0;
   }
 
   /** Prepares project(): the numbers of the view. */
@@ -72,8 +70,9 @@ class FigureView {
     const { width, height } = this.surface;
     const azimuth = (this.view.azimuth * Math.PI) / 180;
     const elevation = (this.view.elevation * Math.PI) / 180;
-    const tall = this.height * Math.cos(elevation) + 2 * this.radius * Math.sin(elevation) ** 2;
-    const fit = Math.min(width / (2.2 * this.radius), (height - 24) / (1.22 * tall));
+    const { height: tallest, radius } = this.room;
+    const tall = tallest * Math.cos(elevation) + 2 * radius * Math.sin(elevation) ** 2;
+    const fit = Math.min(width / (2.2 * radius), (height - 24) / (1.22 * tall));
     this.look = {
       ca: Math.cos(azimuth), sa: Math.sin(azimuth), ce: Math.cos(elevation), se: Math.sin(elevation),
       scale: fit * this.view.zoom, x: width / 2, y: height / 2,
@@ -83,7 +82,7 @@ class FigureView {
   /** Metres right, up from the floor and near -> pixels, depth, and pixels a metre there. */
   project(right, up, near) {
     const { ca, sa, ce, se, scale, x, y } = this.look;
-    const high = up - this.height / 2;
+    const high = up - this.room.height / 2;
     const across = ca * right - sa * near;
     const forward = sa * right + ca * near;
     const depth = se * high + ce * forward;
@@ -98,22 +97,24 @@ class FigureView {
     });
   }
 
-  draw(frame, { names, hovered, withTruth }) {
-    this.take(frame, withTruth);
+  /** Draws a pose, and a second, dashed one; either may be null.
+   *   seen     bit j: joint j was seen
+   *   hovered  a joint that gets a ring; -1: none */
+  draw({ pose, truth = null, seen }, { names = false, hovered = -1 } = {}) {
+    this.floor = pose || truth ? floorOf(pose ?? truth) : 0;
     this.aim();
     const context = this.surface.clear();
     this.drawFloor(context);
     this.drawCamera(context);
     this.points = [];
-    if (this.hasPose) {
-      this.drawShadow(context, this.pose);
-      this.points = this.projectAll(this.pose);
-      this.drawBody(context, this.points);
+    if (pose) {
+      this.drawShadow(context, pose);
+      this.points = this.projectAll(pose);
+      this.drawBody(context, this.points, seen);
     }
-    if (this.hasTruth) this.drawTruth(context);
+    if (truth) this.drawTruth(context, truth);
     const joints = this.points.slice(0, JOINT_COUNT);
-    if (names)
-      nameJoints(context, this.recording.names, joints, this.surface.width, colours.panel);
+    if (names) nameJoints(context, this.body.names, joints, this.surface.width, colours.panel);
     const point = this.points[hovered];
     if (point) drawRing(context, point[0], point[1], 11);
   }
@@ -151,7 +152,7 @@ class FigureView {
 
   /** An arrow on the floor, from the side of the camera towards the person. */
   drawCamera(context) {
-    const start = Math.min(0.8, this.radius + 0.05);
+    const start = Math.min(0.8, this.room.radius + 0.05);
     const corners = [[-0.07, start], [0.07, start], [0, start - 0.14]];
     context.beginPath();
     for (const [right, near] of corners) {
@@ -171,7 +172,7 @@ class FigureView {
   drawShadow(context, pose) {
     const ground = (joint) => this.project(pose[3 * joint], 0, -pose[3 * joint + 2]);
     const path = new Path2D();
-    for (const [a, b] of this.recording.bones) {
+    for (const [a, b] of this.body.bones) {
       const [from, to] = [ground(a), ground(b)];
       path.moveTo(from[0], from[1]);
       path.lineTo(to[0], to[1]);
@@ -194,7 +195,7 @@ class FigureView {
 
   // ---- The body ---------------------------------------------------------------------------------
 
-  drawBody(context, points) {
+  drawBody(context, points, seen) {
     const depths = points.map((point) => point[2]);
     const [far, near] = [Math.min(...depths), Math.max(...depths)];
     const strength = FADE * Math.min(1, (near - far) / 0.5);
@@ -204,7 +205,7 @@ class FigureView {
     const add = (depth, paint) => items.push({ depth, paint });
     add(Math.min(...TORSO.map((joint) => depths[joint])) - 0.03, () => this.paintTorso(context, points));
     const over = [...depths]; // a joint is drawn over its own bones
-    for (const [a, b, side] of this.recording.bones) {
+    for (const [a, b, side] of this.body.bones) {
       const thickest = side === "trunk" ? TRUNK_RADIUS : 1;
       const radius = (joint) => Math.min(thickest, RADIUS[joint]);
       const depth = (depths[a] + depths[b]) / 2;
@@ -215,10 +216,10 @@ class FigureView {
     }
     add(depths[HEAD], () => this.paintHead(context, points[HEAD], fade("trunk", depths[HEAD])));
     for (let joint = 1; joint < JOINT_COUNT; joint++) {
-      const side = this.recording.jointSides[joint];
-      const seen = this.recording.wasSeen(this.frame, joint);
+      const side = this.body.jointSides[joint];
+      const wasSeen = ((seen >> joint) & 1) === 1;
       add(over[joint] + 0.01, () =>
-        this.paintJoint(context, points[joint], RADIUS[joint], fade(side, depths[joint]), seen));
+        this.paintJoint(context, points[joint], RADIUS[joint], fade(side, depths[joint]), wasSeen));
     }
     items.sort((a, b) => a.depth - b.depth);
     for (const item of items) item.paint();
@@ -280,14 +281,14 @@ class FigureView {
     context.stroke();
   }
 
-  drawTruth(context) {
-    const points = this.projectAll(this.truth);
+  drawTruth(context, truth) {
+    const points = this.projectAll(truth);
     context.strokeStyle = css(colours.truth);
     const width = Math.max(1.5, 0.014 * points[MIDDLE][3]);
     context.lineWidth = width;
     context.lineCap = "butt";
     context.setLineDash([3 * width, 2 * width]);
-    for (const [a, b] of this.recording.bones) {
+    for (const [a, b] of this.body.bones) {
       context.beginPath();
       context.moveTo(points[a][0], points[a][1]);
       context.lineTo(points[b][0], points[b][1]);

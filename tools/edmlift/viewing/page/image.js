@@ -1,8 +1,12 @@
 /* The 2D joints, on the picture that they were seen in if it is in the page. */
 
+import { JOINT_COUNT } from "./joints.js";
+import { BLACK, Surface, colours, css, mix, nameJoints } from "./paint.js";
+import { drawRing, drawSkeleton } from "./skeleton.js";
+
 const AHEAD = 8; // pictures that are decoded before they are needed
 
-class ImageView {
+export class ImageView {
   constructor(canvas, recording, changed) {
     this.recording = recording;
     this.changed = changed;
@@ -77,71 +81,11 @@ class ImageView {
       const point = recording.image && recording.point(frame, joint);
       this.points.push(point && [x0 + scale * point[0], y0 + scale * point[1]]);
     }
-    this.drawSkeleton(context, photo, Math.min(7, Math.max(2, (scale * this.person) / 52)));
+    const width = Math.min(7, Math.max(2, (scale * this.person) / 52));
+    drawSkeleton(context, recording, this.points, width, photo !== null);
     const background = photo ? mix(colours.page, colours.panel, 0.5) : colours.panel;
     if (names) nameJoints(context, recording.names, this.points, surface.width, background);
     const point = this.points[hovered];
     if (point) drawRing(context, point[0], point[1], 10);
   }
-
-  drawSkeleton(context, photo, width) {
-    const points = [...this.points, middleOf(HIPS.map((hip) => this.points[hip]))];
-    const rim = photo ? WHITE : colours.panel;
-    const trunk = photo ? mix(colours.trunk, BLACK, colours.trunk[0] > 128 ? 0.7 : 0) : colours.trunk;
-    const shade = (side) => (side === "trunk" ? trunk : colours[side]);
-    if (!photo) this.drawBody(context, points, width);
-    const bones = this.recording.bones.filter(([a, b]) => points[a] && points[b]);
-    const stroke = ([a, b], colour, thickness) => {
-      context.strokeStyle = css(colour);
-      context.lineWidth = thickness;
-      context.beginPath();
-      context.moveTo(...points[a]);
-      context.lineTo(...points[b]);
-      context.stroke();
-    };
-    for (const bone of bones) stroke(bone, rim, 1.6 * width);
-    for (const bone of bones) stroke(bone, shade(bone[2]), width);
-    this.points.forEach((point, joint) => {
-      if (!point) return;
-      disc(context, point[0], point[1], 1.02 * width);
-      context.fillStyle = css(rim);
-      context.fill();
-      disc(context, point[0], point[1], 0.78 * width);
-      context.fillStyle = css(shade(this.recording.jointSides[joint]));
-      context.fill();
-    });
-  }
-
-  /** Head and torso, soft, behind the bones. */
-  drawBody(context, points, width) {
-    context.fillStyle = context.strokeStyle = css(colours.skin);
-    const corners = TORSO.map((joint) => points[joint]);
-    if (corners.every(Boolean)) {
-      context.lineWidth = 1.4 * width;
-      context.beginPath();
-      for (const corner of corners) context.lineTo(...corner);
-      context.closePath();
-      context.fill();
-      context.stroke();
-    }
-    const [head, neck] = [points[HEAD], points[NECK]];
-    if (head && neck) {
-      disc(context, head[0], head[1], 0.42 * Math.hypot(head[0] - neck[0], head[1] - neck[1]));
-      context.fill();
-    }
-  }
-}
-
-/** The mean of points, of which some may be null. */
-function middleOf(points) {
-  const known = points.filter(Boolean);
-  if (known.length === 0) return null;
-  return [0, 1].map((axis) => known.reduce((sum, point) => sum + point[axis], 0) / known.length);
-}
-
-function drawRing(context, x, y, radius) {
-  disc(context, x, y, radius);
-  context.lineWidth = 2;
-  context.strokeStyle = css(colours.focus);
-  context.stroke();
 }

@@ -1,5 +1,14 @@
 /* The page: its parts, what the reader does with them, and when they are drawn. */
 
+import { Clock } from "./clock.js";
+import { CurveRow, Strip, TimeAxis, make } from "./curves.js";
+import { FigureView, roomOf } from "./figure.js";
+import { ImageView } from "./image.js";
+import { JOINT_COUNT, digits } from "./joints.js";
+import { nearest, readColours, showTip } from "./paint.js";
+import { clockText, readRecording } from "./recording.js";
+import { changeView, followPointers, turnByKey } from "./turning.js";
+
 const byId = (id) => document.getElementById(id);
 
 const recording = readRecording();
@@ -19,11 +28,23 @@ function redraw(curves = false) {
 readColours();
 const clock = new Clock(recording.frames, recording.fps, redraw);
 const imageView = new ImageView(byId("image"), recording, () => redraw());
-const figureView = new FigureView(byId("figure"), recording, () => redraw());
+const figureView = new FigureView(byId("figure"), recording, roomOf(recording.samples(2000)), () => redraw());
 const axis = new TimeAxis(recording.frames);
 const rows = recording.curves.map((row) => new CurveRow(row, axis, () => redraw(true)));
 const strip = new Strip(byId("strip"), recording, () => redraw());
 const cost = { milliseconds: 0, draws: 0 };
+
+const buffers = [0, 1].map(() => new Float32Array(3 * (JOINT_COUNT + 1)));
+
+/** The pose of a frame, and the true one; null where there is none. */
+function posesOf(frame) {
+  const [pose, truth] = buffers;
+  return {
+    pose: recording.pose(frame, pose) ? pose : null,
+    truth: chosen.withTruth && recording.truePose(frame, truth) ? truth : null,
+    seen: recording.seen[frame],
+  };
+}
 
 function drawPage(now) {
   waiting = false;
@@ -34,7 +55,7 @@ function drawPage(now) {
   if (axis.show(chosen.span, frame)) stale.curves = true;
   if (stale.curves) for (const row of rows) row.draw(chosen.withTruth);
   if (recording.image || recording.pictures.length) imageView.draw(frame, chosen);
-  figureView.draw(frame, chosen);
+  figureView.draw(posesOf(frame), chosen);
   strip.draw(frame, axis);
   for (const row of rows) row.follow(frame);
   writeFrame(frame);
@@ -124,10 +145,8 @@ function goToRefused() {
   if (frame >= 0) clock.step(frame - clock.frame);
 }
 
-function changeView(name) {
-  if (name === "closer") figureView.zoom(1.25);
-  else if (name === "farther") figureView.zoom(1 / 1.25);
-  else figureView.go(name, performance.now());
+function showView(name) {
+  changeView(figureView, name);
   redraw();
 }
 
@@ -142,79 +161,33 @@ const KEYS = {
   r: goToRefused,
   n: () => toggle("names", byId("names")),
   t: () => toggle("withTruth", byId("truth")),
-  1: () => changeView("camera"),
-  2: () => changeView("side"),
-  3: () => changeView("back"),
-  4: () => changeView("above"),
-  "+": () => changeView("closer"),
-  "=": () => changeView("closer"),
-  "-": () => changeView("farther"),
-  0: () => changeView("reset"),
+  1: () => showView("camera"),
+  2: () => showView("side"),
+  3: () => showView("back"),
+  4: () => showView("above"),
+  "+": () => showView("closer"),
+  "=": () => showView("closer"),
+  "-": () => showView("farther"),
+  0: () => showView("reset"),
   "?": () => byId("keys").showModal(),
-};
-const FIGURE_KEYS = {
-  ArrowLeft: () => figureView.turn(6, 0), // as if what is near were pushed that way
-  ArrowRight: () => figureView.turn(-6, 0),
-  ArrowUp: () => figureView.turn(0, -5),
-  ArrowDown: () => figureView.turn(0, 5),
 };
 
 function pressed(event) {
-  if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open) return;
-  const { target, key } = event;
-  const own = FIGURE_KEYS[key];
-  if (target === byId("figure") && own) own();
-  else if (target.matches("select, input") && key !== " " && !/^[a-z]$/i.test(key)) return;
-  else if (target.matches("select, button, summary") && (key === " " || key === "Enter")) return;
-  else if (target.matches("select")) return;
-  else {
-    const action = KEYS[key.length === 1 ? key.toLowerCase() : key];
-    if (!action) return;
-    action(event);
-  }
+  if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open || !takeKey(event)) return;
   event.preventDefault();
   redraw();
 }
 
-/** Turns and zooms the figure by one or two pointers. */
-function followPointers(canvas) {
-  const pointers = new Map();
-  let apart = 0;
-  const spread = () => {
-    const [a, b] = [...pointers.values()];
-    return Math.hypot(a.x - b.x, a.y - b.y);
-  };
-  canvas.addEventListener("pointerdown", (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    if (pointers.size === 2) apart = spread();
-    canvas.classList.add("dragged");
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    const before = pointers.get(event.pointerId);
-    if (!before) return;
-    pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    if (pointers.size === 1) figureView.turn(-0.5 * (event.clientX - before.x), 0.4 * (event.clientY - before.y));
-    else if (pointers.size === 2) {
-      const now = spread();
-      if (apart > 0) figureView.zoom(now / apart);
-      apart = now;
-    }
-    redraw();
-  });
-  for (const name of ["pointerup", "pointercancel"])
-    canvas.addEventListener(name, (event) => {
-      pointers.delete(event.pointerId);
-      canvas.classList.toggle("dragged", pointers.size > 0);
-    });
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    const across = event.shiftKey ? event.deltaX || event.deltaY : event.deltaX;
-    if (Math.abs(across) > 0 && (event.shiftKey || Math.abs(across) > Math.abs(event.deltaY)))
-      figureView.turn(0.15 * across, 0);
-    else figureView.zoom(Math.exp(-0.0015 * event.deltaY));
-    redraw();
-  }, { passive: false });
+/** Does what a key says; false if it is another element's. */
+function takeKey(event) {
+  const { target, key } = event;
+  if (target === byId("figure") && turnByKey(figureView, key)) return true;
+  if (target.matches("select, input") && key !== " " && !/^[a-z]$/i.test(key)) return false;
+  if (target.matches("select, button, summary") && (key === " " || key === "Enter")) return false;
+  if (target.matches("select")) return false;
+  const action = KEYS[key.length === 1 ? key.toLowerCase() : key];
+  action?.(event);
+  return Boolean(action);
 }
 
 /** Shows a joint's name and values while the pointer is over it. */
@@ -320,9 +293,9 @@ function start() {
   byId("help").onclick = () => byId("keys").showModal();
   byId("values").ontoggle = () => redraw();
   for (const button of document.querySelectorAll("[data-view]"))
-    button.onclick = () => changeView(button.dataset.view);
+    button.onclick = () => showView(button.dataset.view);
   document.addEventListener("keydown", pressed);
-  followPointers(byId("figure"));
+  followPointers(byId("figure"), figureView, () => redraw());
   hoverJoints(byId("figure"), figureView);
   hoverJoints(byId("image"), imageView);
   for (const row of rows) scrub(row.plot);
@@ -351,5 +324,5 @@ window.edmliftView = Object.freeze({
     return recording.pose(frame, pose) ? Array.from(pose.slice(0, 3 * JOINT_COUNT)) : null;
   },
   go: (frame) => clock.go(frame),
-  changeView,
+  changeView: showView,
 });

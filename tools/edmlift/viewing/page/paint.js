@@ -3,7 +3,7 @@
 const MAX_DENSITY = 2.5; // device pixels a pixel; more costs time and shows nothing
 
 /** A canvas that keeps the size of its box; calls changed() when that changes. */
-class Surface {
+export class Surface {
   constructor(canvas, changed) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
@@ -35,9 +35,9 @@ class Surface {
 }
 
 /** The colours of the style sheet as [red, green, blue], read again when the scheme changes. */
-const colours = {};
+export const colours = {};
 
-function readColours() {
+export function readColours() {
   const style = getComputedStyle(document.documentElement);
   for (const name of ["right", "left", "trunk", "truth", "page", "panel", "text", "faint", "line",
     "grid", "skin", "shadow", "focus", "refused"]) {
@@ -46,20 +46,20 @@ function readColours() {
   }
 }
 
-const WHITE = [255, 255, 255];
-const BLACK = [0, 0, 0];
+export const WHITE = [255, 255, 255];
+export const BLACK = [0, 0, 0];
 
-function css(colour, alpha = 1) {
+export function css(colour, alpha = 1) {
   return `rgb(${colour.map(Math.round).join(" ")} / ${alpha})`;
 }
 
 /** A colour, and so much of another one in it, 0 to 1. */
-function mix(colour, other, amount) {
+export function mix(colour, other, amount) {
   return colour.map((value, i) => value + (other[i] - value) * amount);
 }
 
 /** The outline of two discs and what lies between them. */
-function capsule(context, ax, ay, ar, bx, by, br) {
+export function capsule(context, ax, ay, ar, bx, by, br) {
   const length = Math.hypot(bx - ax, by - ay);
   context.beginPath();
   if (length <= Math.abs(ar - br) + 1e-6) {
@@ -74,13 +74,13 @@ function capsule(context, ax, ay, ar, bx, by, br) {
   context.closePath();
 }
 
-function disc(context, x, y, radius) {
+export function disc(context, x, y, radius) {
   context.beginPath();
   context.arc(x, y, radius, 0, 2 * Math.PI);
 }
 
 /** Text with a rim of its background. */
-function label(context, text, x, y, background) {
+export function label(context, text, x, y, background) {
   context.font = "12px system-ui, sans-serif";
   context.textBaseline = "middle";
   context.lineWidth = 3;
@@ -91,7 +91,7 @@ function label(context, text, x, y, background) {
 }
 
 /** Names of joints beside them [x, y] or null; each moves away from those already there. */
-function nameJoints(context, names, points, width, background) {
+export function nameJoints(context, names, points, width, background) {
   const taken = [];
   context.font = "12px system-ui, sans-serif";
   points.forEach((point, joint) => {
@@ -117,7 +117,7 @@ function nameJoints(context, names, points, width, background) {
 }
 
 /** The point [x, y] that is nearest to a place, within so many pixels; -1: none. */
-function nearest(points, x, y, within) {
+export function nearest(points, x, y, within) {
   let [best, found] = [within, -1];
   points.forEach((point, i) => {
     if (!point) return;
@@ -128,7 +128,7 @@ function nearest(points, x, y, within) {
 }
 
 /** Shows text in a tip beside a place of its panel; no text hides it. */
-function showTip(tip, text, x = 0, y = 0) {
+export function showTip(tip, text, x = 0, y = 0) {
   tip.hidden = !text;
   if (!text) return;
   tip.textContent = text;

@@ -1,12 +1,8 @@
 /* The recording: numbers of all frames, unpacked from the text in the page. */
 
-const MISSING = -32768; // stands for NaN
-const JOINT_COUNT = 14;
-const MIDDLE = 14; // midway between the hips, behind the joints
-const HIPS = [8, 11];
-const TORSO = [2, 5, 11, 8]; // shoulders and hips, round
-const HEAD = 0, NECK = 1;
-const ANKLES = [10, 13];
+import { JOINT_COUNT, addMiddle, inWords } from "./joints.js";
+
+export const MISSING = -32768; // stands for NaN
 
 function unpack(text, Numbers) {
   const bytes = atob(text);
@@ -15,7 +11,7 @@ function unpack(text, Numbers) {
   return new Numbers(array.buffer);
 }
 
-function readRecording() {
+export function readRecording() {
   const element = document.getElementById("data");
   const given = JSON.parse(element.textContent);
   element.remove(); // an hour of text need not be kept twice
@@ -58,10 +54,6 @@ class Recording {
     return -1;
   }
 
-  wasSeen(frame, joint) {
-    return ((this.seen[frame] >> joint) & 1) === 1;
-  }
-
   /** Is there a pose with a joint that was not seen? */
   hasUnseen() {
     const all = (1 << JOINT_COUNT) - 1;
@@ -75,6 +67,14 @@ class Recording {
 
   truePose(frame, out) {
     return this.truth !== null && readPose(this.truth, frame, out);
+  }
+
+  /** So many of the poses, or all: of each frame its own, or the true one. */
+  *samples(count) {
+    const out = new Float32Array(3 * (JOINT_COUNT + 1));
+    const stride = Math.max(1, Math.floor(this.frames / count));
+    for (let frame = 0; frame < this.frames; frame += stride)
+      if (this.pose(frame, out) || this.truePose(frame, out)) yield out;
   }
 
   /** Pixels of a joint in the image, or null where it was not seen. */
@@ -98,30 +98,12 @@ function readPose(lengths, frame, out) {
   const start = frame * JOINT_COUNT * 3;
   if (lengths[start] === MISSING) return false;
   for (let i = 0; i < JOINT_COUNT * 3; i++) out[i] = lengths[start + i] / 1000;
-  for (let axis = 0; axis < 3; axis++)
-    out[3 * MIDDLE + axis] = (out[3 * HIPS[0] + axis] + out[3 * HIPS[1] + axis]) / 2;
+  addMiddle(out);
   return true;
 }
 
-/** y of the floor: under the lowest joint, because y is down. */
-function floorOf(pose) {
-  let floor = -Infinity;
-  for (let joint = 0; joint < JOINT_COUNT; joint++) floor = Math.max(floor, pose[3 * joint + 1]);
-  return floor;
-}
-
-/** too_few_joints -> "too few joints". */
-function inWords(name) {
-  return name.replaceAll("_", " ");
-}
-
-/** A number with so many digits, and a minus that is as wide as a plus. */
-function digits(value, count) {
-  return value.toFixed(count).replace("-", "−");
-}
-
 /** 75 s -> "1:15.00". */
-function clockText(seconds) {
+export function clockText(seconds) {
   const minutes = Math.floor(seconds / 60);
   const rest = (seconds - 60 * minutes).toFixed(2);
   return minutes > 0 ? `${minutes}:${rest.padStart(5, "0")}` : `${rest} s`;
