@@ -13,7 +13,7 @@ import shutil
 import signal
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -42,7 +42,10 @@ def find_browser() -> str | None:
 class Page:
     """One page; errors of its console, and addresses outside it that it fetched, are kept."""
 
-    def __init__(self, program: str, width: int = 1280, height: int = 800, timeout: float = 60.0):
+    def __init__(
+        self, program: str, width: int = 1280, height: int = 800, timeout: float = 60.0,
+        flags: Sequence[str] = (),
+    ):  # fmt: skip
         self.errors: list[str] = []
         self.requests: list[str] = []
         self._timeout = timeout
@@ -60,7 +63,7 @@ class Page:
         places = [(nothing, 0), (nothing, 1), (nothing, 2), (reads, 3), (writes, 4)]
         self._process = os.posix_spawn(
             program,
-            [program, *_FLAGS, f"--user-data-dir={self._folder.name}", "about:blank"],
+            [program, *_FLAGS, *flags, f"--user-data-dir={self._folder.name}", "about:blank"],
             os.environ,
             file_actions=[(os.POSIX_SPAWN_DUP2, here, there) for here, there in places],
         )
@@ -104,15 +107,26 @@ class Page:
 
     def scheme(self, name: str) -> None:
         """Prefers "light" or "dark"."""
-        feature = {"name": "prefers-color-scheme", "value": name}
-        self.send("Emulation.setEmulatedMedia", features=[feature])
+        self.prefer(color_scheme=name)
+
+    def prefer(self, **features: str) -> None:
+        """What the reader prefers, such as reduced_motion="reduce"; nothing else."""
+        named = [
+            {"name": f"prefers-{name.replace('_', '-')}", "value": value}
+            for name, value in features.items()
+        ]
+        self.send("Emulation.setEmulatedMedia", features=named)
 
     def open(self, path: Path, anchor: str = "") -> None:
         """Opens a file, until it is loaded."""
+        self.visit(path.resolve().as_uri() + anchor)
+
+    def visit(self, address: str) -> None:
+        """Opens an address, until it is loaded."""
         self.send("Page.navigate", url="about:blank")
         self.requests.clear()
-        self.send("Page.navigate", url=path.resolve().as_uri() + anchor)
-        self.until("document.readyState === 'complete' && location.protocol === 'file:'")
+        self.send("Page.navigate", url=address)
+        self.until("document.readyState === 'complete' && location.href !== 'about:blank'")
 
     def evaluate(self, expression: str) -> Any:
         """The value of an expression of JavaScript, in the page; a promise is waited for."""
