@@ -16,10 +16,17 @@ async function install() {
   await self.skipWaiting();
 }
 
+/** Deletes what older pages stored. */
 async function activate() {
   const names = await caches.keys();
   const old = names.filter((name) => name.startsWith("edmlift-") && ![STORE, DETECTORS].includes(name));
   await Promise.all(old.map((name) => caches.delete(name)));
+  const list = await (await caches.open(STORE)).match("files.json");
+  const { detectors } = await list.json();
+  const used = new Set(Object.values(detectors).map(({ folder }) => new URL(folder, self.registration.scope).href));
+  const store = await caches.open(DETECTORS);
+  for (const request of await store.keys())
+    if (!used.has(new URL(".", request.url).href)) await store.delete(request);
   await self.clients.claim();
 }
 

@@ -1,4 +1,4 @@
-"""A page in Chromium, without a window: keys, pointer, pictures, and what goes wrong.
+"""A page in Chromium, without a window: keys, pointer, fingers, pictures, and what goes wrong.
 
 It talks to the browser through two pipes, in the DevTools protocol, so that nothing has to be
 installed besides the browser.
@@ -27,7 +27,7 @@ _FLAGS = (
 )  # fmt: skip
 _FINGERS = 10  # file descriptors from here on are out of the way of 3 and 4
 KEY_CODES = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Home": 36,
-             "End": 35, " ": 32, "Tab": 9, "Enter": 13, "Escape": 27}  # fmt: skip
+             "End": 35, " ": 32, "Tab": 9, "Enter": 13, "Escape": 27, "Delete": 46}  # fmt: skip
 
 
 class BrowserError(RuntimeError):
@@ -40,7 +40,8 @@ def find_browser() -> str | None:
 
 
 class Page:
-    """One page; errors of its console, and addresses outside it that it fetched, are kept."""
+    """One page; errors of its console, addresses that it and its workers fetched, and how many
+    bytes came over the network, are kept."""
 
     def __init__(
         self, program: str, width: int = 1280, height: int = 800, timeout: float = 60.0,
@@ -48,6 +49,7 @@ class Page:
     ):  # fmt: skip
         self.errors: list[str] = []
         self.requests: list[str] = []
+        self.loaded = 0
         self._timeout = timeout
         self._number = 0
         self._buffer = b""
@@ -77,6 +79,8 @@ class Page:
         self._session: str = attached["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.send(f"{domain}.enable")
+        watch = {"autoAttach": True, "waitForDebuggerOnStart": True, "flatten": True}
+        self.send("Target.setAutoAttach", **watch)
         self.resize(width, height)
 
     def __enter__(self) -> "Page":
@@ -125,6 +129,7 @@ class Page:
         """Opens an address, until it is loaded."""
         self.send("Page.navigate", url="about:blank")
         self.requests.clear()
+        self.loaded = 0
         self.send("Page.navigate", url=address)
         self.until("document.readyState === 'complete' && location.href !== 'about:blank'")
 
@@ -172,6 +177,36 @@ class Page:
         self._pointer("mouseReleased", x + dx, y + dy)
         self.settle()
 
+    def touch(self, start: tuple[float, float], by: tuple[float, float]) -> None:
+        """Puts a finger down, moves it by so many pixels, and lifts it."""
+        (x, y), (dx, dy) = start, by
+        for kind, part in (("touchStart", 0.0), ("touchMove", 0.5), ("touchMove", 1.0)):
+            points = [{"x": x + part * dx, "y": y + part * dy}]
+            self.send("Input.dispatchTouchEvent", type=kind, touchPoints=points)
+        self.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        self.settle()
+
+    def give_file(self, selector: str, path: Path) -> None:
+        """Chooses a file in an input."""
+        root = self.send("DOM.getDocument")["root"]["nodeId"]
+        node = self.send("DOM.querySelector", nodeId=root, selector=selector)["nodeId"]
+        self.send("DOM.setFileInputFiles", nodeId=node, files=[str(path)])
+
+    def before_scripts(self, script: str) -> str:
+        """Runs a script in each page to come, before its own; gives its number for undo()."""
+        answer = self.send("Page.addScriptToEvaluateOnNewDocument", source=script)
+        return str(answer["identifier"])
+
+    def undo(self, number: str) -> None:
+        self.send("Page.removeScriptToEvaluateOnNewDocument", identifier=number)
+
+    def allow_camera(self, allowed: bool) -> None:
+        """Answers for the reader, for all pages."""
+        setting = "granted" if allowed else "denied"
+        self._send(
+            "Browser.setPermission", session=None, permission={"name": "camera"}, setting=setting
+        )
+
     def hover(self, x: float, y: float) -> None:
         self._pointer("mouseMoved", x, y)
         self.settle()
@@ -211,15 +246,20 @@ class Page:
         """Asks the page for something; its answer."""
         return self._send(method, self._session, **parameters)
 
-    def _send(self, method: str, session: str | None, **parameters: Any) -> dict[str, Any]:
+    def _post(self, method: str, session: str | None, **parameters: Any) -> None:
+        """Asks for something, and does not wait for the answer."""
         self._number += 1
         message: dict[str, Any] = {"id": self._number, "method": method, "params": parameters}
         if session is not None:
             message["sessionId"] = session
         os.write(self._out, json.dumps(message).encode() + b"\0")
+
+    def _send(self, method: str, session: str | None, **parameters: Any) -> dict[str, Any]:
+        self._post(method, session, **parameters)
+        number = self._number
         for answer in self._messages():
             self._note(answer)
-            if answer.get("id") == self._number:
+            if answer.get("id") == number:
                 if "error" in answer:
                     raise BrowserError(f"{method}: {answer['error']['message']}")
                 result: dict[str, Any] = answer["result"]
@@ -254,6 +294,11 @@ class Page:
             url: str = given["request"]["url"]
             if not url.startswith("data:"):
                 self.requests.append(url)
+        elif method == "Target.attachedToTarget":  # a worker, which waits until it is watched
+            for what in ("Network.enable", "Runtime.runIfWaitingForDebugger"):
+                self._post(what, given["sessionId"])
+        elif method == "Network.loadingFinished":
+            self.loaded += int(given["encodedDataLength"])
 
 
 @contextmanager

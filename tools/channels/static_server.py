@@ -1,12 +1,14 @@
-"""A server of a page for this machine: small transfers, nothing stale, and a policy for all files."""
+"""Serves a page on this machine: small transfers, nothing stale, and a policy for all files."""
 
 import gzip
 import hashlib
 import http.server
 import mimetypes
+import sys
 from functools import cache
 from http import HTTPStatus
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote, urlsplit
 
 HOST = "localhost"
@@ -81,7 +83,15 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.wfile.write(body)
 
 
-def make_server(folder: Path, port: int) -> http.server.ThreadingHTTPServer:
+class Server(http.server.ThreadingHTTPServer):
+    """A server that does not mind readers who leave."""
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
+
+
+def make_server(folder: Path, port: int) -> Server:
     """A server of a folder at http://localhost:port, 0: any that is free."""
     handler = type("FolderHandler", (Handler,), {"folder": folder})
-    return http.server.ThreadingHTTPServer((HOST, port), handler)
+    return Server((HOST, port), handler)
