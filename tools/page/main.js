@@ -16,6 +16,7 @@ import { Watching } from "./watching.js";
 
 const ROOM = { height: 1.75, radius: 0.55 }; // metres that a figure takes at least
 const LEVEL = [0, -1, 0];
+const RESTS = 600; // milliseconds after which a joint that was moved is taken to rest
 const FIGURE_KEYS = {
   1: "camera", 2: "side", 3: "above", "+": "closer", "=": "closer", "-": "farther", 0: "reset",
 };
@@ -122,6 +123,20 @@ function dragged() {
   byId("seen").disabled = chosen < 0;
   byId("seen").checked = chosen < 0 || board.seen[chosen];
   if (lifting.lifter) showPose(lifting.lift(board.keypoints));
+  speak();
+}
+
+let speech = 0;
+
+/** Says aloud what became of a joint, once it rests. */
+function speak() {
+  clearTimeout(speech);
+  if (board.chosen < 0) return;
+  speech = setTimeout(() => {
+    if (!state.pose) return;
+    const quality = refusalOf(state.pose) || `Quality ${Math.round(100 * state.pose.quality)} percent.`;
+    byId("spoken").textContent = `${BODY.names[board.chosen]} ${board.say(board.chosen)}. ${quality}`;
+  }, RESTS);
 }
 
 function startBoard(points) {
@@ -352,7 +367,10 @@ function connect() {
   };
   byId("cameras").onchange = begin;
   byId("play").onclick = playOrPause;
-  byId("time").oninput = ({ target }) => (state.footage.video.currentTime = target.value);
+  byId("time").oninput = ({ target }) => {
+    state.footage.video.currentTime = target.value;
+    showTime();
+  };
   byId("selfie").onchange = () => state.watching && watch();
   byId("mirror").onchange = byId("names").onchange = redraw;
   byId("level").onchange = ({ target }) => {

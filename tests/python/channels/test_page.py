@@ -293,6 +293,7 @@ def test_a_joint_is_dragged(page: Page):
     moved = np.reshape(pose(page)["joints"], (14, 3)) - np.reshape(pose_before["joints"], (14, 3))
     assert np.hypot(*moved[wrist, :2]) > 0.2  # metres
     assert page.evaluate("edmliftPage.places().figure") != figure
+    page.until("document.querySelector('#spoken').textContent.startsWith('left wrist ')")
     page.drag(place(page, wrist), (2000, 2000))  # it stays in sight
     box = page.evaluate("document.querySelector('#joints').getBoundingClientRect().toJSON()")
     x, y = place(page, wrist)
@@ -461,7 +462,7 @@ def test_the_camera_is_lifted(page: Page, address: str):
     for found in seen:
         assert_a_walking_woman(found)
     page.until("document.querySelector('#rate').innerText.endsWith('/s')")
-    assert text(page, "#detector-ms").endswith(" ms") and text(page, "#note") == ""
+    assert text(page, "#detector-ms").endswith(" ms")
     assert page.evaluate("document.querySelector('#mirror').checked")
     page.click("#stop")
     assert state(page)["status"] is None and text(page, "#start") == "Start the camera"
@@ -490,6 +491,7 @@ def test_a_video_is_lifted(page: Page, video: Path):
     page.until("edmliftPage.state().status === 'ok'")
     assert pose(page)["quality"] > 0.3
     seek(page, 7.6)  # both have left the picture
+    page.until("document.querySelector('#now').innerText === '7.6 s'")
     page.until("document.querySelector('#refusal').innerText === 'Nobody is seen.'")
     assert pose(page) is None
     page.until("document.querySelector('#quality-number').innerText === '–'")
