@@ -6,8 +6,10 @@ const MOST_SIDE = 720; // pixels of a frame that detectors are shown: their netw
 export class Problem extends Error {}
 
 export class Footage {
-  constructor(video, live) {
-    Object.assign(this, { video, live });
+  /** live  a camera, and no file */
+  constructor(live) {
+    this.live = live;
+    this.video = document.createElement("video");
     this.frames = [0, 1].map(() => document.createElement("canvas")); // one is shown, one is looked at
     this.closed = false;
     this.waiting = null;
@@ -28,7 +30,7 @@ export class Footage {
     } catch (error) {
       throw new Problem(CAMERA_PROBLEMS[error.name] ?? `The camera does not start: ${error.message}`);
     }
-    const footage = new Footage(document.createElement("video"), true);
+    const footage = new Footage(true);
     footage.video.srcObject = stream;
     footage.track = stream.getVideoTracks()[0];
     footage.track.addEventListener("ended", () => footage.lost?.());
@@ -37,7 +39,7 @@ export class Footage {
 
   /** Opens a file of the user's; a Problem if the browser cannot play it. */
   static async file(file) {
-    const footage = new Footage(document.createElement("video"), false);
+    const footage = new Footage(false);
     footage.url = URL.createObjectURL(file);
     footage.video.src = footage.url;
     footage.video.loop = true;
@@ -56,6 +58,9 @@ export class Footage {
   async begin() {
     const { video } = this;
     video.muted = video.playsInline = true;
+    video.className = "spoken"; // in the page, because some browsers play no other, but not to be seen
+    video.ariaHidden = "true";
+    document.body.append(video);
     await new Promise((resolve, reject) => {
       video.onloadeddata = resolve;
       video.onerror = () => reject(new Error("no video"));
@@ -110,6 +115,7 @@ export class Footage {
     this.video.pause();
     for (const track of this.video.srcObject?.getTracks() ?? []) track.stop();
     this.video.srcObject = null;
+    this.video.remove();
     if (this.url) URL.revokeObjectURL(this.url);
   }
 }

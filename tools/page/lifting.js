@@ -13,7 +13,6 @@ export class Lifting {
     this.up = undefined;
     this.track = null;
     this.milliseconds = NaN;
-    this.measurements = 0;
   }
 
   /** Lifts by this network from now on; an Error says why it cannot. */
@@ -22,7 +21,6 @@ export class Lifting {
     this.lifter = this.lifters.get(model);
     this.track = null;
     this.milliseconds = NaN;
-    this.measurements = 0;
   }
 
   /** Where upwards is in the camera's axes, or undefined. */
@@ -34,10 +32,8 @@ export class Lifting {
   /** The pose of 14 joints [x, y, confidence]. */
   lift(joints) {
     const lift = () => this.lifter.lift(joints, { up: this.up });
-    if (this.measurements < MEASUREMENTS) {
-      const took = meanTime(lift);
-      this.milliseconds = this.measurements++ > 0 ? Math.min(this.milliseconds, took) : took;
-    }
+    if (Number.isNaN(this.milliseconds))
+      this.milliseconds = Math.min(...Array.from({ length: MEASUREMENTS }, () => meanTime(lift)));
     return lift();
   }
 

@@ -29,9 +29,10 @@ const readout = new Readout();
 const state = {
   pose: null, // of the library, or null where nobody is seen
   detectors: {}, // what is installed, by name
-  detector: null, // { id, ...a started one }
+  detector: null, // one that was started, with its id
   footage: null,
   watching: null,
+  asked: null, // what is waited for
 };
 
 readColours();
@@ -172,41 +173,47 @@ function begin() {
 
 /** Opens footage, with the detector that is chosen.  what: what is waited for. */
 async function open(what, makeFootage) {
-  const asked = Symbol("opening");
-  state.opening = asked;
+  const asked = ask();
   close();
   byId("invitation").hidden = true;
-  complain("");
   try {
-    await useDetector();
+    await useDetector(asked);
+    if (!isAsked(asked)) return;
     progress(what, NaN);
     const footage = await makeFootage();
-    if (state.opening !== asked) return footage.close(); // the reader went on to something else
+    if (!isAsked(asked)) return footage.close();
     state.footage = footage;
-    footage.lost = () => {
-      leave();
-      complain("The camera is gone. Connect it and start again.");
-    };
+    footage.lost = () => fail(new Problem("The camera is gone. Connect it and start again."));
     await showFootage(footage);
     watch();
   } catch (error) {
-    if (state.opening !== asked) return;
-    leave();
-    complain(error);
+    if (isAsked(asked)) fail(error);
   }
 }
 
+/** What takes a while was asked for by the reader, who may ask for something else meanwhile. */
+function ask() {
+  complain("");
+  return (state.asked = Symbol("asked"));
+}
+
+const isAsked = (asked) => state.asked === asked;
+
 /** Starts the chosen detector, unless it runs. */
-async function useDetector() {
+async function useDetector(asked) {
   const id = byId("detector").value;
   if (state.detector?.id === id) return;
   state.detector?.close();
   state.detector = null;
-  progress(`Loading ${nameOf(id)}`, 0);
-  const started = await startDetector(id, state.detectors[id], (there, wanted) =>
-    progress(`Loading ${nameOf(id)}: ${Math.round(there / 1e6)} of ${Math.ceil(wanted / 1e6)} MB`, there / wanted),
-  );
-  progress(`Starting ${nameOf(id)}`, NaN);
+  const report = (text, share) => isAsked(asked) && progress(text, share);
+  const loading = `Loading ${nameOf(id)}`;
+  report(loading, 0);
+  const started = await startDetector(id, state.detectors[id], (there, wanted) => {
+    const [megabytes, all] = [there, wanted].map((bytes) => Math.round(bytes / 1e6));
+    if (there < wanted) report(`${loading}: ${megabytes} of ${all} MB`, there / wanted);
+    else report(`Starting ${nameOf(id)}`, NaN);
+  });
+  if (!isAsked(asked)) return started.close();
   started.id = id;
   state.detector = started;
 }
@@ -231,9 +238,8 @@ function watch() {
   state.watching = new Watching(footage, detector, lifting, showFrame);
   state.watching.mirrored = !footage.live && byId("selfie").checked;
   state.watching.run().catch((error) => {
-    leave();
-    complain(`${nameOf(detector.id)} has stopped: ${error.message}`);
     state.detector = null;
+    fail(new Error(`${nameOf(detector.id)} has stopped: ${error.message}`));
   });
 }
 
@@ -249,7 +255,7 @@ function showFrame({ frame, pose }) {
 function showTime() {
   const { video, live } = state.footage;
   if (live) return;
-  byId("time").max = video.duration;
+  byId("time").max = Number.isFinite(video.duration) ? video.duration : video.currentTime;
   byId("time").value = video.currentTime;
   byId("now").textContent = `${digits(video.currentTime, 1)} s`;
   byId("play").setAttribute("aria-label", video.paused ? "Play" : "Pause");
@@ -266,12 +272,17 @@ function close() {
 
 /** Closes the footage and invites again. */
 function leave() {
-  state.opening = null;
+  state.asked = null;
   close();
   progress(null);
   pictureView.show({ box: [0, 0, 4, 3] });
   showPose(null);
   invite();
+}
+
+function fail(error) {
+  leave();
+  complain(error);
 }
 
 // ---- What is said --------------------------------------------------------------------------------
@@ -318,14 +329,13 @@ async function chooseModel() {
 async function chooseDetector() {
   invite();
   if (!state.footage) return;
+  const asked = ask();
   state.watching?.stop();
   try {
-    await useDetector();
-    if (state.footage) watch();
-    else progress(null);
+    await useDetector(asked);
+    if (isAsked(asked)) watch();
   } catch (error) {
-    leave();
-    complain(error);
+    if (isAsked(asked)) fail(error);
   }
 }
 

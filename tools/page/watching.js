@@ -20,8 +20,12 @@ export class Watching {
   /** Goes on until it is stopped or the footage is closed; begins with the frame that is there, because a video may
    * have been paused. */
   async run() {
-    for (let next = this.footage.now(); next && !this.stopped; next = await this.footage.next())
-      await this.look(next);
+    try {
+      for (let next = this.footage.now(); next && !this.stopped; next = await this.footage.next())
+        await this.look(next);
+    } catch (error) {
+      if (!this.stopped) throw error; // a detector may be closed while it looks
+    }
   }
 
   stop() {

@@ -14,11 +14,17 @@ SIZE = (1280, 800)
 
 
 def take(page_path: Path, frame: int, out: Path, program: str) -> None:
-    """Writes a PNG of a page at a frame, with a palette."""
-    with tempfile.TemporaryDirectory() as folder, Page(program, *SIZE) as page:
+    """Writes a PNG of a page of `edmlift view` at a frame."""
+    with Page(program, *SIZE) as page:
         page.scheme("light")
         page.open(page_path, f"#frame={frame}")
         page.until("Boolean(window.edmliftView)")
+        save(page, out)
+
+
+def save(page: Page, out: Path) -> None:
+    """Writes what a page shows as PNG, with a palette."""
+    with tempfile.TemporaryDirectory() as folder:
         raw = Path(folder) / "page.png"
         page.screenshot(raw)
         with Image.open(raw) as picture:

@@ -1,6 +1,7 @@
 """The page that lifts in the browser: in Chromium, with a fake camera that shows a real video."""
 
 import json
+import re
 import shutil
 import socket
 import subprocess
@@ -22,7 +23,7 @@ from channels import page as pages
 from channels import web
 from channels.detectors import DETECTORS, packages_of
 from channels.npm_packages import Package, install, is_there
-from channels.static_server import make_server
+from channels.static_server import POLICY, make_server
 from channels.version import version
 from data import crops
 from data.videos import CLIPS, find_wheel
@@ -199,6 +200,31 @@ def test_the_folder_has_what_is_listed(folder: Path):
     )
 
 
+def test_the_docs_have_its_figures(folder: Path):
+    docs = (ROOT / "docs" / "browser.md").read_text("utf-8")
+    found = re.search(r"The page loads (\d+) KB \(gzip; (\d+) KB unpacked\)", docs)
+    assert found
+    for said, measured in zip(found.groups(), pages.loaded_bytes(folder), strict=True):
+        assert int(said) == pytest.approx(measured / 1000, abs=3)
+    download = sum(package.megabytes for package in packages_of(DETECTORS.values()))
+    assert f"by npm ({download} MB)" in docs
+    for package in packages_of(DETECTORS.values()):
+        assert f"[{package.name}](" in docs and f") {package.version} (" in docs
+    listed = json.loads((folder / "files.json").read_text("utf-8"))["detectors"]
+    for name, row in (("blazepose-lite", "BlazePose lite, heavy"),
+                      ("movenet-lightning", "MoveNet lightning")):  # fmt: skip
+        size = sum(file["bytes"] for file in listed[name]["files"])
+        assert re.search(rf"^\| {row} \| {round(size / 1e6)}\D", docs, re.M), size
+
+
+def test_the_policy_is_said_alike(folder: Path):
+    html = (folder / "index.html").read_text("utf-8")
+    (meta,) = re.findall(r'http-equiv="Content-Security-Policy" content="([^"]*)"', html)
+    assert f"{meta}; frame-ancestors 'none'" == POLICY  # which a page cannot say itself
+    docs = (ROOT / "docs" / "browser.md").read_text("utf-8")
+    assert f"\nContent-Security-Policy: {POLICY}\n" in docs
+
+
 def test_every_script_is_loaded_or_a_worker(folder: Path):
     """What main.js imports, from file to file."""
     scripts = {p.name: p.read_text("utf-8") for p in pages.SOURCES.rglob("*.js")}
@@ -340,6 +366,7 @@ def test_too_few_joints_are_refused(page: Page):
 
 
 def test_numbers_are_those_of_the_pose(page: Page):
+    need_library()
     choose(page, "#sample", "arms out")
     found = pose(page)
     joints, keypoints = (np.reshape(found[name], (1, 14, 3)) for name in ("joints", "keypoints"))
@@ -427,6 +454,7 @@ def start_camera(page: Page, detector: str = "movenet-lightning") -> None:
 
 def assert_a_walking_woman(found: dict[str, Any]) -> None:
     """Upright, of a human size, seen from her side."""
+    need_library()
     joints = np.reshape(found["joints"], (14, 3))
     head, ankles, knees = joints[0], joints[[10, 13]], joints[[9, 12]]
     assert 1.1 < np.linalg.norm(head - ankles.mean(0)) < 2.0
@@ -470,13 +498,35 @@ def test_the_camera_is_lifted(page: Page, address: str):
 
 
 def test_blazepose_is_lifted(page: Page, address: str):
-    start_camera(page, "blazepose-lite")
+    """After MoveNet, while the camera goes on."""
+    start_camera(page)
+    choose(page, "#detector", "blazepose-lite")
+    page.until("edmliftPage.state().detector === 'blazepose-lite'")
+    page.until("edmliftPage.state().detectorMs > 0 && edmliftPage.state().status === 'ok'")
     found = pose(page)
     page.click("#stop")
     forget_gpu_messages(page)
     assert state(page)["detector"] == "blazepose-lite"
     assert_all_from(page, address)
     assert_a_walking_woman(found)
+
+
+def test_a_reader_who_does_not_wait(page: Page):
+    """Goes on to something else while a detector is started."""
+    go_to(page, "camera")
+    choose(page, "#detector", "blazepose-lite")
+    page.click("#start")
+    go_to(page, "drag")
+    go_to(page, "video")
+    go_to(page, "drag")
+    page.evaluate("new Promise(done => setTimeout(done, 1500))")
+    shown = (
+        "['progress', 'invitation', 'problem'].filter(id => !document.getElementById(id).hidden)"
+    )
+    assert page.evaluate(shown) == []
+    assert state(page)["detector"] is None and state(page)["status"] == "ok"
+    assert page.evaluate("document.querySelectorAll('video').length") == 0
+    forget_gpu_messages(page)
 
 
 def test_a_video_is_lifted(page: Page, video: Path):

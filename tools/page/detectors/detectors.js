@@ -26,7 +26,7 @@ export const nameOf = (id) => KNOWN[id].name;
 export const needsWebgl = (id) => KNOWN[id].needsWebgl;
 
 /** Bytes of a detector, as a text. */
-export const sizeOf = (files) => `${Math.ceil(files.reduce((sum, { bytes }) => sum + bytes, 0) / 1e6)} MB`;
+export const sizeOf = (files) => `${Math.round(files.reduce((sum, { bytes }) => sum + bytes, 0) / 1e6)} MB`;
 
 /** Which of these to begin with: without a graphics processor, that which needs none. */
 export function preferred(ids) {
