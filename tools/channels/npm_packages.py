@@ -2,6 +2,7 @@
 
 import base64
 import hashlib
+import re
 import shutil
 import subprocess
 import tarfile
@@ -55,13 +56,11 @@ def install(package: Package, folder: Path) -> None:
 
 
 def _download(package: Package, folder: Path) -> Path:
-    command = ["npm", "pack", "--silent", "--ignore-scripts", package.full_name]
+    command = ["npm", "pack", "--loglevel=error", "--ignore-scripts", package.full_name]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     if done.returncode != 0:
-        said = (done.stderr or done.stdout).strip().splitlines()
-        raise ToolError(
-            f"npm cannot download {package.full_name} ({said[-1] if said else 'no reason given'}). "
-            "Look at the network, or say --no-detector."
-        )
+        reason = re.search(r"^npm (?:error|ERR!) (?!code|syscall|errno)(.+)$", done.stderr, re.M)
+        said = reason[1] if reason else "npm does not say why"
+        raise ToolError(f"{package.full_name} cannot be downloaded: {said}")
     (archive,) = folder.glob("*.tgz")
     return archive

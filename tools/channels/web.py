@@ -69,9 +69,12 @@ def install_detectors(wanted: dict[str, Detector], folder: Path) -> None:
     missing = [package for package in packages if not is_there(package, folder)]
     if missing:
         need_npm()
-    for package in missing:
-        text = f"Downloading {package.full_name} ({package.megabytes} MB)"
-        step(text, lambda package=package: install(package, folder))
+    try:
+        for package in missing:
+            text = f"Downloading {package.full_name} ({package.megabytes} MB)"
+            step(text, lambda package=package: install(package, folder))
+    except ToolError as error:
+        raise ToolError(f"{error}\nThe page works without: --no-detector") from None
 
 
 def make_page(wanted: dict[str, Detector], folder: Path) -> Path:

@@ -763,6 +763,16 @@ def test_without_npm(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
         web.install_detectors(USED, tmp_path)
 
 
+def test_without_a_network_for_npm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    if shutil.which("npm") is None:
+        pytest.skip("no npm")
+    monkeypatch.setenv("npm_config_registry", "http://localhost:9/")
+    monkeypatch.setenv("npm_config_fetch_retries", "0")
+    with pytest.raises(ToolError, match="human@3.3.6 cannot be downloaded: .*ECONNREFUSED") as said:
+        web.install_detectors({"movenet-lightning": DETECTORS["movenet-lightning"]}, tmp_path)
+    assert str(said.value).endswith("\nThe page works without: --no-detector")
+
+
 def test_wrong_options(folder: Path):
     done = run_web("--detectors", "openpose")
     assert done.returncode == 2
