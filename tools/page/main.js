@@ -32,6 +32,7 @@ const state = {
   detector: null, // one that was started, with its id
   footage: null,
   watching: null,
+  time: null, // of the frame that is shown, milliseconds
   asked: null, // what is waited for
 };
 
@@ -243,7 +244,8 @@ function watch() {
   });
 }
 
-function showFrame({ frame, pose }) {
+function showFrame({ frame, time, pose }) {
+  state.time = time;
   progress(null);
   const joints = pose ? BODY.names.map((_, j) => pose.seen[j] && [...pose.keypoints.subarray(3 * j, 3 * j + 2)]) : [];
   const mirrored = state.footage.live && byId("mirror").checked;
@@ -266,7 +268,7 @@ function showTime() {
 function close() {
   state.watching?.stop();
   state.footage?.close();
-  state.watching = state.footage = null;
+  state.watching = state.footage = state.time = null;
   for (const id of ["stop", "play", "time", "now", "another", "cameras-choice"]) byId(id).hidden = true;
 }
 
@@ -457,7 +459,7 @@ await start();
 window.edmliftPage = Object.freeze({
   state: () => ({
     source: source(), model: lifting.lifter?.model, detector: state.detector?.id ?? null, ...figureView.view,
-    status: state.pose?.status ?? null, quality: state.pose?.quality ?? null, chosen: board.chosen,
+    status: state.pose?.status ?? null, time: state.time, quality: state.pose?.quality ?? null, chosen: board.chosen,
     liftMs: lifting.milliseconds, detectorMs: state.watching?.detectorMs ?? null, graphics: graphics(),
   }),
   pose: () => state.pose && { ...state.pose, joints: [...state.pose.joints], keypoints: [...state.pose.keypoints] },

@@ -4,7 +4,7 @@ const NEW_SHARE = 0.1; // of a frame in the means
 
 export class Watching {
   /** lifting  a Lifting
-   *  shown    called with each frame: { frame, pose, found }; no pose where nobody is seen */
+   *  shown    called with each frame: { frame, time, pose }; no pose where nobody is seen */
   constructor(footage, detector, lifting, shown) {
     Object.assign(this, { footage, detector, lifting, shown });
     this.mirrored = false;
@@ -41,7 +41,7 @@ export class Watching {
     if (this.stopped || this.footage.closed) return;
     this.count(performance.now() - start);
     const pose = found && this.lifting.liftFrame(found, time, this.mirrored);
-    this.shown({ frame, found, pose });
+    this.shown({ frame, time, pose });
   }
 
   /** The video was wound back, or begins again. */
