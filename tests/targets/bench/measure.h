@@ -16,15 +16,27 @@ static inline uint32_t counts(void (*run)(void))
     return read_counter();
 }
 
+/* Paints so many bytes of stack below `top`, the stack pointer: in line, because a call's frame lies there. */
+static inline __attribute__((always_inline)) void paint_stack(volatile uint8_t *top, int bytes)
+{
+    for (int n = 1; n <= bytes; n++) top[-n] = PAINT;
+}
+
+/* How many of these bytes still have their paint, from the far end on. */
+static inline int untouched_stack(const volatile uint8_t *top, int bytes)
+{
+    int untouched = 0;
+    while (untouched < bytes && top[untouched - bytes] == PAINT) untouched++;
+    return untouched;
+}
+
 /* Paints the memory below the stack pointer, runs, and looks how far the paint is gone. */
 static __attribute__((noinline)) int stack_bytes(void (*run)(void))
 {
     volatile uint8_t *const top = stack_pointer();
-    for (int n = 1; n <= PAINT_BYTES; n++) top[-n] = PAINT;
+    paint_stack(top, PAINT_BYTES);
     run();
-    int untouched = PAINT_BYTES;
-    while (untouched > 0 && top[-untouched] == PAINT) untouched--;
-    return untouched;
+    return PAINT_BYTES - untouched_stack(top, PAINT_BYTES);
 }
 
 #endif
