@@ -17,6 +17,7 @@ def line(pattern: str) -> Callable[[str], str]:
 
 MANIFESTS = {
     "CITATION.cff": line(r"^version: (\S+)$"),
+    "idf_component.yml": line(r'^version: "([^"]+)"$'),
     "library.json": lambda text: json.loads(text)["version"],
     "library.properties": line(r"^version=(\S+)$"),
     "tools/npm/package.json": line(r'^  "version": "([^"]+)",$'),
