@@ -40,7 +40,7 @@ def texts(name: str, projects: list[Project]) -> dict[str, str]:
     return {f"{name}_prints": shown, f"{name}_costs": costs}
 
 
-def build(folder: Path) -> dict[str, list[Project]]:
+def build_projects(folder: Path) -> dict[str, list[Project]]:
     """Both systems' projects, for all chips, built in a folder."""
     component = esp_idf.unpack(esp_idf.build(folder)[0], folder)
     return {
@@ -59,7 +59,7 @@ def main() -> int:
     args = parser.parse_args()
     try:
         with tempfile.TemporaryDirectory() as folder:
-            for name, projects in build(Path(folder)).items():
+            for name, projects in build_projects(Path(folder)).items():
                 for mark, text in texts(name, projects).items():
                     print(text)
                     if args.update:
