@@ -33,6 +33,7 @@ const state = {
   footage: null,
   watching: null,
   time: null, // of the frame that is shown, milliseconds
+  mirrored: false, // is the picture a mirror image? The figure is one then, too
   asked: null, // what is waited for
 };
 
@@ -67,7 +68,7 @@ function draw(now) {
 function poseToDraw() {
   if (state.pose?.status !== "ok") return null;
   drawn.set(state.pose.joints);
-  if (pictureView.mirrored) for (let i = 0; i < drawn.length; i += 3) drawn[i] = -drawn[i];
+  if (state.mirrored) for (let i = 0; i < drawn.length; i += 3) drawn[i] = -drawn[i];
   addMiddle(drawn);
   return drawn;
 }
@@ -245,10 +246,16 @@ function watch() {
 }
 
 function showFrame({ frame, time, pose }) {
-  state.time = time;
+  const { live } = state.footage;
+  const isSelfie = !live && byId("selfie").checked; // the lift has turned it back, and the picture is as it came
+  const mirrored = live && byId("mirror").checked;
+  const place = (joint) => {
+    const [x, y] = pose.keypoints.subarray(3 * joint);
+    return pose.seen[joint] ? [isSelfie ? frame.width - x : x, y] : null;
+  };
+  const joints = pose ? BODY.names.map((_, joint) => place(joint)) : [];
+  Object.assign(state, { time, mirrored: mirrored || isSelfie });
   progress(null);
-  const joints = pose ? BODY.names.map((_, j) => pose.seen[j] && [...pose.keypoints.subarray(3 * j, 3 * j + 2)]) : [];
-  const mirrored = state.footage.live && byId("mirror").checked;
   pictureView.show({ box: [0, 0, frame.width, frame.height], frame, joints, mirrored });
   showTime();
   showPose(pose);
@@ -269,6 +276,7 @@ function close() {
   state.watching?.stop();
   state.footage?.close();
   state.watching = state.footage = state.time = null;
+  state.mirrored = false;
   for (const id of ["stop", "play", "time", "now", "another", "cameras-choice"]) byId(id).hidden = true;
 }
 
@@ -381,10 +389,12 @@ function connect() {
   byId("play").onclick = playOrPause;
   byId("time").oninput = ({ target }) => {
     state.footage.video.currentTime = target.value;
+    state.watching?.cut();
     showTime();
   };
   byId("selfie").onchange = () => state.watching && watch();
-  byId("mirror").onchange = byId("names").onchange = redraw;
+  byId("mirror").onchange = () => state.watching && watch();
+  byId("names").onchange = redraw;
   byId("level").onchange = ({ target }) => {
     lifting.setUp(target.checked ? LEVEL : undefined);
     dragged();
@@ -464,5 +474,5 @@ window.edmliftPage = Object.freeze({
   }),
   pose: () => state.pose && { ...state.pose, joints: [...state.pose.joints], keypoints: [...state.pose.keypoints] },
   joints: () => board.keypoints,
-  places: () => ({ picture: board.points.map((point) => pictureView.place(point)), figure: figureView.points }),
+  places: () => ({ picture: pictureView.places, figure: figureView.points }),
 });

@@ -41,6 +41,12 @@ export class PictureView {
     return [this.mirrored ? this.surface.width - across : across, y0 + scale * y];
   }
 
+  /** Where the joints are on the canvas, also those that are not seen but can be taken; null: nowhere. */
+  get places() {
+    const points = this.joints.map((joint, i) => joint ?? this.ghosts[i] ?? null);
+    return points.map((point) => point && this.place(point));
+  }
+
   /** Which point of the picture is at a place of the canvas. */
   pointAt(x, y) {
     const { scale, x: x0, y: y0 } = this.fit();
@@ -59,8 +65,7 @@ export class PictureView {
     ghosts.forEach((ghost, joint) => ghost && this.drawGhost(context, ghost, joint));
     if (!names) return;
     const background = this.frame ? mix(colours.page, colours.panel, 0.5) : colours.panel;
-    const points = joints.map((joint, i) => joint ?? ghosts[i] ?? null);
-    nameJoints(context, this.body.names, points, this.surface.width, background);
+    nameJoints(context, this.body.names, this.places, this.surface.width, background);
   }
 
   drawFrame(context, scale) {

@@ -30,15 +30,19 @@ async function activate() {
   await self.clients.claim();
 }
 
+/** Where a file is kept once it was loaded: networks and detectors; undefined: nowhere, because it is not ours. */
+function storeOf(address) {
+  const path = address.startsWith(self.registration.scope) ? address.slice(self.registration.scope.length) : "";
+  if (path.startsWith("detectors/files/")) return DETECTORS;
+  return path.startsWith("lift/") ? STORE : undefined;
+}
+
 async function answer(request) {
   const stored = await caches.match(request, { ignoreSearch: true });
   if (stored) return stored;
   const response = await fetch(request);
-  if (response.ok) {
-    const isDetector = new URL(request.url).pathname.includes("/detectors/files/");
-    const store = await caches.open(isDetector ? DETECTORS : STORE);
-    await store.put(request, response.clone());
-  }
+  const name = storeOf(request.url);
+  if (response.ok && name) await (await caches.open(name)).put(request, response.clone());
   return response;
 }
 

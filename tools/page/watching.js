@@ -44,7 +44,7 @@ export class Watching {
     this.shown({ frame, time, pose });
   }
 
-  /** The video was wound back, or begins again. */
+  /** The next frame does not follow this one: the video was wound, or begins again. */
   cut() {
     this.lifting.cut();
     this.detector.cut();

@@ -539,9 +539,31 @@ def test_a_video_is_lifted(page: Page, video: Path):
     seek(page, 3.0)
     assert state(page)["status"] == "ok" and text(page, "#now") == "3.0 s"
     assert pose(page)["quality"] > 0.3
+    mirrored_back(page)
     seek(page, 7.6)  # both have left the picture
     assert pose(page) is None and text(page, "#refusal") == "Nobody is seen."
     page.until("document.querySelector('#quality-number').innerText === '–'")
+
+
+def mirrored_back(page: Page) -> None:
+    """A video that is taken for a mirrored selfie: joints stay where they are, under the other
+    side's name, and the pose is mirrored."""
+    exchange = {"right": "left", "left": "right"}
+    sides = [name.partition("_") for name in JOINTS]
+    other = [JOINTS.index("".join((exchange.get(a, a), b, c))) for a, b, c in sides]
+    found = []
+    for _ in range(2):  # each is the first frame of a track
+        joint = pose(page)["joints"][0]
+        page.click("#selfie")
+        page.until(f"edmliftPage.pose().joints[0] !== {joint}")
+        page.settle()
+        places = page.evaluate("edmliftPage.places()")
+        drawn = np.array([place[:2] for place in places["figure"][:14]])
+        found.append((np.reshape(pose(page)["joints"], (14, 3)), places["picture"], drawn))
+    (selfie, picture, figure), (plain, plain_picture, plain_figure) = found
+    assert selfie == pytest.approx(plain[other] * [-1, 1, 1], abs=1e-3)
+    assert np.array(picture) == pytest.approx(np.array(plain_picture)[other], abs=0.5)
+    assert figure == pytest.approx(plain_figure[other], abs=2)
 
 
 def seek(page: Page, seconds: float) -> None:
@@ -632,6 +654,8 @@ def test_it_works_without_a_network(browser: Page, folder: Path):
         start_camera(browser)
         go_to(browser, "drag")
         browser.until("!document.querySelector('#offline').hidden")
+        (folder / "other.txt").write_text("not of the page")  # beside it on a server
+        assert browser.evaluate("fetch('other.txt').then(() => caches.match('other.txt'))") is None
         browser.until("fetch('sw.js').then(() => Boolean(navigator.serviceWorker.controller))")
         assert browser.requests.count(f"{address}main.js") == 2  # the service worker's is one
         assert_all_from(browser, address)

@@ -3,7 +3,7 @@
 import { around, whole } from "./crops.js";
 
 const SIDE = 192; // pixels of the network's square input
-const SURE = 0.3; // a score of shoulders or hips below which nobody is seen: it always finds something
+const SURE = 0.4; // mean score of shoulders and hips below which nobody is seen: it always finds something, with up to 0.3
 const TRUNK = [5, 6, 11, 12];
 
 export class Movenet {
@@ -28,7 +28,8 @@ export class Movenet {
     if (!this.square) this.square = around(await this.look(frame, whole(width, height)), width, height);
     const keypoints = await this.look(frame, this.square);
     this.square = around(keypoints, width, height);
-    if (Math.max(...TRUNK.map((k) => keypoints[k][2])) < SURE) return null;
+    const score = TRUNK.reduce((sum, k) => sum + keypoints[k][2], 0) / TRUNK.length;
+    if (score < SURE) return null;
     return { keypoints, format: "coco17", width, height };
   }
 
