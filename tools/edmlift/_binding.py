@@ -4,7 +4,9 @@ import ctypes
 import functools
 import os
 import sys
+from collections.abc import Iterator
 from ctypes import c_char_p, c_float, c_int, c_int32, c_size_t, c_uint8, c_uint16, c_uint32
+from itertools import count, islice
 from pathlib import Path
 from typing import Any
 
@@ -216,6 +218,12 @@ def _declare(library: ctypes.CDLL, path: Path) -> None:
 def pointer(array: NDArray[Any]) -> int:
     """The address of an array's first element; the caller keeps the array."""
     return array.ctypes.data
+
+
+def pointers(*arrays: NDArray[Any]) -> Iterator[tuple[int, ...]]:
+    """The addresses of each row of arrays of F rows, F times."""
+    rows = zip(*(count(pointer(array), array.strides[0]) for array in arrays), strict=True)
+    return islice(rows, len(arrays[0]))
 
 
 # ---- The file ----------------------------------------------------------------------------------

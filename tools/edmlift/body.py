@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from edmlift._binding import BODY, BONE_COUNT, MEASURED_BODY, OK, load, pointer
+from edmlift._binding import BODY, BONE_COUNT, MEASURED_BODY, OK, load, pointer, pointers
 from edmlift.joints import BONES, JOINTS
-from edmlift.lifting import Poses, batched, c_poses, first, pointers, status_names
+from edmlift.lifting import Poses, batched, c_poses, first, status_names
 
 BONE_NAMES = tuple(JOINTS[end] for _, end in BONES)  # each by the joint that it leads to
 

@@ -11,10 +11,10 @@ import ctypes
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from edmlift._binding import OK, POSE, load
+from edmlift._binding import OK, POSE, load, pointers
 from edmlift.joints import INDEX, mid_hip
 from edmlift.keypoints import read_up, seen_bits
-from edmlift.lifting import Poses, batched, pointers
+from edmlift.lifting import Poses, batched
 
 LEVEL = (0.0, -1.0, 0.0)  # up before a level camera
 _PAIRS = (

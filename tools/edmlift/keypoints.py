@@ -21,7 +21,7 @@ def adapt(
     format: str,
     *,
     threshold: float | None = None,
-    image: tuple[float, float] | None = None,
+    image: ArrayLike | None = None,
     mirrored: bool = False,
 ) -> NDArray[np.float32]:
     """A detector's keypoints to the 14 joints: [F,K,2 or 3] -> [F,14,3], [K,2 or 3] -> [14,3].
@@ -37,7 +37,7 @@ def read_joints(
     keypoints: ArrayLike,
     format: str | None = None,
     threshold: float | None = None,
-    image: tuple[float, float] | None = None,
+    image: ArrayLike | None = None,
     mirrored: bool = False,
 ) -> tuple[NDArray[np.float32], bool]:
     """The joints [F,14,3] that `lift` is to take, and whether one pose was given without F."""
@@ -53,7 +53,7 @@ def read_keypoints(
     keypoints: ArrayLike,
     format: str | None,
     threshold: float | None,
-    image: tuple[float, float] | None,
+    image: ArrayLike | None,
 ) -> tuple[NDArray[np.float32], bool]:
     """Keypoints [F,K,3] in pixels, c 0 where not seen, and whether one pose was given without F."""
     layout = None if format is None else find_format(format)
@@ -66,13 +66,11 @@ def read_keypoints(
     return _in_pixels(seen, layout, image), single
 
 
-def unmirrored(
-    keypoints: NDArray[np.float32], image: tuple[float, float] | None
-) -> NDArray[np.float32]:
-    """Keypoints in pixels with x as it was before the mirror; the names of sides stay."""
-    width = 0.0 if image is None else image_size(image)[0]
+def unmirrored(keypoints: NDArray[np.float32], image: ArrayLike | None) -> NDArray[np.float32]:
+    """Keypoints [F,K,3] in pixels with x as it was before the mirror; the names of sides stay."""
+    widths = 0.0 if image is None else image_sizes(image, len(keypoints))[..., 0]
     given = keypoints.copy()
-    given[..., 0] = np.float32(width) - given[..., 0]
+    given[..., 0] = np.float32(widths) - given[..., 0]
     return given
 
 
@@ -124,25 +122,27 @@ def _with_confidence(array: NDArray[np.float32], threshold: float) -> NDArray[np
 
 
 def _in_pixels(
-    keypoints: NDArray[np.float32], layout: Format | None, image: tuple[float, float] | None
+    keypoints: NDArray[np.float32], layout: Format | None, image: ArrayLike | None
 ) -> NDArray[np.float32]:
     """Keypoints in pixels, x first; those outside the image, where it is known, are not seen."""
+    sizes = None if image is None else image_sizes(image, len(keypoints))
     if layout is None or not layout.normalised:
-        return keypoints if image is None else _inside(keypoints, image_size(image))
+        return keypoints if sizes is None else _inside(keypoints, sizes)
     name = layout.name.decode()
-    if image is None:
+    if sizes is None:
         raise ValueError(
             f"keypoints of format {name!r} are normalised: give the image's size in pixels, "
             "image=(width, height)"
         )
-    size = image_size(image)
     if look_like_pixels(keypoints).any():
         raise ValueError(
             f"keypoints of format {name!r} are normalised, 0 to 1 within the image, not in pixels"
         )
     if layout.normalised == BY_SQUARE:
-        return _inside(_from_square(keypoints, size), size)
-    return _inside(keypoints, (1.0, 1.0)) * np.array([*size, 1], np.float32)
+        return _inside(_from_square(keypoints, sizes), sizes)
+    given = _inside(keypoints, np.ones_like(sizes))
+    given[..., :2] *= np.float32(sizes)
+    return given
 
 
 def look_like_pixels(keypoints: NDArray[np.float32]) -> NDArray[np.bool_]:
@@ -151,20 +151,20 @@ def look_like_pixels(keypoints: NDArray[np.float32]) -> NDArray[np.bool_]:
     return np.asarray((far & (keypoints[..., 2] > 0)).any(-1))
 
 
-def _from_square(keypoints: NDArray[np.float32], size: tuple[float, float]) -> NDArray[np.float32]:
+def _from_square(keypoints: NDArray[np.float32], sizes: NDArray[np.float64]) -> NDArray[np.float32]:
     """y, x, c in shares of the square that an image of this size was padded to -> x, y, c."""
-    side = max(size)
-    padding = np.array([(side - edge) / 2 for edge in size], np.float32)
+    sides = sizes.max(-1, keepdims=True)
+    padding = (sides - sizes) / 2
     given = keypoints.copy()
-    given[..., :2] = keypoints[..., 1::-1] * np.float32(side) - padding
+    given[..., :2] = keypoints[..., 1::-1] * np.float32(sides) - np.float32(padding)
     return given
 
 
-def _inside(keypoints: NDArray[np.float32], size: tuple[float, float]) -> NDArray[np.float32]:
+def _inside(keypoints: NDArray[np.float32], sizes: NDArray[np.float64]) -> NDArray[np.float32]:
     """The same with confidence 0 for what is outside an image of this size: detectors invent limbs
     there, and are sure of them."""
     at = keypoints[..., :2]
-    outside = ((at < 0) | (at > np.array(size, np.float32))).any(-1)
+    outside = ((at < 0) | (at > np.float32(sizes))).any(-1)
     inside = keypoints.copy()
     inside[outside & np.isfinite(keypoints).all(-1), 2] = 0  # else the lift refuses it
     return inside
@@ -186,10 +186,33 @@ def read_up(up: ArrayLike | None, count: int) -> NDArray[np.float32] | None:
 
 def image_size(image: Any) -> tuple[float, float]:
     """Width and height, checked."""
-    size = np.asarray(image, float)
-    if size.shape != (2,) or not (np.isfinite(size).all() and (size > 0).all()):
-        raise ValueError(f"image must be (width, height) in pixels, both over 0, not {image!r}")
-    return float(size[0]), float(size[1])
+    width, height = _over_0(image, ((2,),)).tolist()
+    return width, height
+
+
+def image_sizes(image: Any, count: int) -> NDArray[np.float64]:
+    """Width and height of the images of `count` poses, checked: [F,1,2], or [1,1,2] of all."""
+    return _over_0(image, ((2,), (count, 2))).reshape(-1, 1, 2)
+
+
+def _over_0(image: Any, shapes: tuple[tuple[int, ...], ...]) -> NDArray[np.float64]:
+    sizes = np.asarray(image, float)
+    if sizes.shape not in shapes or not (np.isfinite(sizes).all() and (sizes > 0).all()):
+        each = ", or so many a pose" if len(shapes) > 1 else ""
+        raise ValueError(
+            f"image must be (width, height) in pixels, both over 0{each}, not {image!r}"
+        )
+    return sizes
+
+
+def read_cameras(camera: Any, count: int) -> NDArray[np.float32]:
+    """fx, fy, cx, cy of `count` poses [F,4], or [1,4] of all, from these or from a matrix."""
+    numbers = np.asarray(camera, np.float32)
+    if numbers.shape != (count, 4):
+        return read_camera(camera)[None]
+    if not (np.isfinite(numbers).all() and (numbers[:, :2] > 0).all()):
+        raise ValueError("each camera must be fx, fy, cx, cy in pixels, fx, fy > 0")
+    return numbers
 
 
 def read_camera(camera: Any) -> NDArray[np.float32]:

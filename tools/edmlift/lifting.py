@@ -2,16 +2,17 @@
 
 import ctypes
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from ctypes import c_int
 from dataclasses import dataclass, field, fields, replace
+from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from edmlift._binding import JOINT_COUNT, OK, POSE, POSE_Q, load, pointer
+from edmlift._binding import JOINT_COUNT, OK, POSE, POSE_Q, load, pointer, pointers
 from edmlift.formats import find_format
 from edmlift.joints import MIRROR
 from edmlift.keypoints import (
@@ -19,7 +20,7 @@ from edmlift.keypoints import (
     adapt_joints_q,
     camera_q,
     from_q16,
-    read_camera,
+    read_cameras,
     read_keypoints,
     read_up,
     refusable,
@@ -86,10 +87,11 @@ def lift(
     *,
     format: str | None = None,
     threshold: float | None = None,
-    image: tuple[float, float] | None = None,
+    image: ArrayLike | None = None,
     camera: ArrayLike | None = None,
     mirrored: bool = False,
     fixed: bool = False,
+    threads: int | None = None,
 ) -> Poses:
     """Lifts 2D poses to 3D (the paper's section 3).
 
@@ -103,25 +105,53 @@ def lift(
                and the keypoints are JOINTS, as `adapt` returns them.
     threshold  a confidence up to this counts as not seen, as do NaN and what is negative.  Default:
                0.1 with a format, whose model has not found it then; 0 without
-    image      (width, height) in pixels: keypoints outside are not seen, whatever the detector
-               invents there.  "blazepose33" and "movenet17", which are normalised by it, need it
+    image      (width, height) in pixels, or one a pose [F,2]: keypoints outside are not seen,
+               whatever the detector invents there.  "blazepose33" and "movenet17", which are
+               normalised by it, need it
     camera     fx, fy, cx, cy in pixels, or the 3x3 matrix, of a camera without distortion, if it is
-               known: people off its axis are then lifted as if it looked at them, and do not come
-               out turned
+               known, or one a pose [F,4]: people off its axis are then lifted as if it looked at
+               them, and do not come out turned
     mirrored   the picture is a mirror image, as selfie cameras show it: x becomes width - x (-x
                without `image`), and right and left are exchanged
     fixed      lift in fixed point, to the bits of a core without an FPU; coordinates within 8192
+    threads    how many processors to use at most.  Default: all of them
 
     Returns Poses; one pose for one.  A pose that cannot be lifted has a status and NaN:
     "too_few_joints" (fewer than 10 seen), "not_finite" (infinity), "degenerate" (on a point or a
     line, or like no person), "camera" (that camera cannot have seen it).  What looks like a mistake
     in five poses or more is in `Poses.warnings`.  ValueError: the arguments are wrong.
     """
+    poses, given, single = lift_without_warnings(
+        keypoints, model, up, format=format, threshold=threshold, image=image, camera=camera,
+        mirrored=mirrored, fixed=fixed, threads=threads,
+    )  # fmt: skip
+    if single:
+        return first(poses)
+    return replace(poses, warnings=run_warnings(poses, given, format))
+
+
+def lift_without_warnings(
+    keypoints: ArrayLike,
+    model: str | None = None,
+    up: ArrayLike | None = None,
+    *,
+    format: str | None = None,
+    threshold: float | None = None,
+    image: ArrayLike | None = None,
+    camera: ArrayLike | None = None,
+    mirrored: bool = False,
+    fixed: bool = False,
+    threads: int | None = None,
+) -> tuple[Poses, NDArray[np.float32], bool]:
+    """The poses of `lift`, the keypoints [F,K,3] that it read, c 0 where not seen, and whether one
+    pose was given without F."""
+    if threads is not None and threads < 1:
+        raise ValueError(f"threads must be 1 or more, not {threads}")
     chosen = find_model(model, fixed)
     given, single = read_keypoints(keypoints, format, threshold, image)
     layout = None if format is None else find_format(format)
     directions = read_up(up, len(given))
-    intrinsics = None if camera is None else read_camera(camera)
+    cameras = None if camera is None else read_cameras(camera, len(given))
     if mirrored and camera is not None and image is None:
         raise ValueError("mirrored= with camera= needs image=(width, height)")
     seen = unmirrored(given, image) if mirrored else given
@@ -129,13 +159,11 @@ def lift(
     if fixed:
         given_q = to_q16(refusable(seen))
         joints_q = given_q if layout is None else adapt_joints_q(load(), given_q, layout)
-        poses = lift_joints_q(chosen, joints_q[:, sides], directions, intrinsics)
+        poses = lift_joints_q(chosen, joints_q[:, sides], directions, cameras, threads)
     else:
         joints = seen if layout is None else adapt_joints(load(), seen, layout)
-        poses = lift_joints(chosen, joints[:, sides], directions, intrinsics)
-    if single:
-        return first(poses)
-    return replace(poses, warnings=run_warnings(poses, given, format))
+        poses = lift_joints(chosen, joints[:, sides], directions, cameras, threads)
+    return poses, given, single
 
 
 def run_warnings(poses: Poses, given: NDArray[np.float32], format: str | None) -> tuple[str, ...]:
@@ -186,10 +214,11 @@ def lift_joints(
     joints: NDArray[np.float32],
     up: NDArray[np.float32] | None = None,
     camera: NDArray[np.float32] | None = None,
+    threads: int | None = None,
 ) -> Poses:
-    """edml_lift() of joints [F,14,3], up [F,3] and the camera [4] where they are known."""
+    """edml_lift() of joints [F,14,3], up [F,3] and the cameras [4] or [F,4] where known."""
     joints = np.ascontiguousarray(joints, np.float32)
-    poses, status = _call(model, "", joints, up, camera, POSE)
+    poses, status = _call(model, "", joints, up, camera, POSE, threads)
     return to_poses(model, poses, status, joints, 1)
 
 
@@ -198,11 +227,12 @@ def lift_joints_q(
     joints: NDArray[np.void],
     up: NDArray[np.float32] | None = None,
     camera: NDArray[np.float32] | None = None,
+    threads: int | None = None,
 ) -> Poses:
-    """edml_lift_q() of joints KEYPOINT_Q [F,14], up [F,3] and the camera [4] where known."""
+    """edml_lift_q() of joints KEYPOINT_Q [F,14], up [F,3], the cameras [4] or [F,4] where known."""
     directions = None if up is None else up_q(up)
     intrinsics = None if camera is None else camera_q(camera)
-    poses, status = _call(model, "_q", joints, directions, intrinsics, POSE_Q)
+    poses, status = _call(model, "_q", joints, directions, intrinsics, POSE_Q, threads)
     return to_poses(model, poses, status, from_q16(joints), 1 / 65536)
 
 
@@ -213,38 +243,55 @@ def _call(
     up: NDArray[Any] | None,
     camera: NDArray[Any] | None,
     kind: np.dtype[np.void],
+    threads: int | None,
 ) -> tuple[NDArray[np.void], NDArray[np.int32]]:
-    """Poses [F] and status [F] of edml_lift_many() with this suffix, on all processors."""
+    """Poses [F] and status [F] of edml_lift_many() with this suffix, on so many processors."""
     joints = np.ascontiguousarray(joints)
     directions = None if up is None else np.ascontiguousarray(up)
+    cameras = None if camera is None else np.atleast_2d(camera)
     function = getattr(model.c, f"edml_lift_many{suffix}")
     poses, status = np.zeros(len(joints), kind), np.zeros(len(joints), c_int)
-    known = None if camera is None else pointer(camera)
 
     def run(start: int, end: int) -> None:
-        """Frames from start to end."""
-        if start == end:
-            return
-        above = None if directions is None else pointer(directions[start:])
-        function(
-            pointer(poses[start:]), pointer(status[start:]), pointer(joints[start:]), above, known,
-            end - start, model.address, model.work(), model.work_bytes,
-        )  # fmt: skip
+        """Frames from start to end: a call a camera."""
+        work = model.work()
+        for first, last in _with_one_camera(cameras, start, end):
+            above = None if directions is None else pointer(directions[first:])
+            known = None if cameras is None else pointer(cameras[first % len(cameras) :])
+            function(
+                pointer(poses[first:]), pointer(status[first:]), pointer(joints[first:]), above,
+                known, last - first, model.address, work, model.work_bytes,
+            )  # fmt: skip
 
     least = _WORTH_A_THREAD.get(model.name.partition("_")[0], _WORTH_ONE)
-    side_by_side(run, len(joints), least)
+    side_by_side(run, len(joints), least, threads)
     return poses, status
 
 
-def side_by_side(run: Callable[[int, int], None], count: int, least: int) -> None:
+def _with_one_camera(
+    cameras: NDArray[Any] | None, start: int, end: int
+) -> Iterator[tuple[int, int]]:
+    """Parts of the frames from start to end: one behind another with the same camera."""
+    if start == end:
+        return
+    changes = []
+    if cameras is not None and len(cameras) > 1:
+        differ = (cameras[start + 1 : end] != cameras[start : end - 1]).any(1)
+        changes = (np.flatnonzero(differ) + start + 1).tolist()
+    yield from pairwise([start, *changes, end])
+
+
+def side_by_side(
+    run: Callable[[int, int], None], count: int, least: int, threads: int | None = None
+) -> None:
     """run(start, end) of a part of `count` for each processor, of `least` or more: while C runs,
-    so may another."""
-    threads = max(1, min(processors(), count // least))
-    ends = [count * n // threads for n in range(threads + 1)]
-    if threads == 1:
+    so may another.  On `threads` processors at most, or all."""
+    parts = max(1, min(threads or processors(), count // least))
+    ends = [count * n // parts for n in range(parts + 1)]
+    if parts == 1:
         run(0, count)
         return
-    with ThreadPoolExecutor(threads) as pool:
+    with ThreadPoolExecutor(parts) as pool:
         list(pool.map(run, ends, ends[1:]))
 
 
@@ -295,12 +342,3 @@ def quality_of(c: ctypes.CDLL, poses: Poses) -> NDArray[np.float32]:
         c.edml_quality(*row)
     found[~poses.ok] = np.nan
     return found
-
-
-def pointers(*arrays: NDArray[Any]) -> list[list[int]]:
-    """The addresses of each row of arrays of F rows: a list of F lists."""
-    first_rows, strides = [pointer(a) for a in arrays], [a.strides[0] for a in arrays]
-    return [
-        [start + i * stride for start, stride in zip(first_rows, strides, strict=True)]
-        for i in range(len(arrays[0]))
-    ]

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from edmlift._binding import FOCAL, OK, PATH, PLACEMENT, Point, load, pointer
+from edmlift._binding import FOCAL, OK, PATH, PLACEMENT, Point, load, pointer, pointers
 from edmlift.keypoints import image_size, read_camera, read_up
-from edmlift.lifting import Poses, batched, c_poses, first, picked, pointers, status_names, summary
+from edmlift.lifting import Poses, batched, c_poses, first, picked, status_names, summary
 from edmlift.networks import Model, find_model
 from edmlift.people_tracks import TrackedPeople
 from edmlift.tracking import Tracked
@@ -216,7 +216,7 @@ def _placed(
     model: Model,
     poses: Poses,
     camera: NDArray[np.float32],
-    run: Callable[[int, list[int]], int],
+    run: Callable[[int, tuple[int, ...]], int],
 ) -> Placements:
     """Calls `run`, for each pose, with its number and where placement, camera, pose and keypoints
     are."""

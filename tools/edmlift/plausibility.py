@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from edmlift._binding import OK, POSE_Q, load
+from edmlift._binding import OK, POSE_Q, load, pointers
 from edmlift.keypoints import seen_bits
-from edmlift.lifting import Poses, batched, c_poses, first, pointers, quality_of
+from edmlift.lifting import Poses, batched, c_poses, first, quality_of
 
 
 def quality(poses: Poses) -> NDArray[np.float32]:

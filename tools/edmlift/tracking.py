@@ -5,10 +5,10 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from edmlift._binding import OK, POSE, TRACK, load, pointer
+from edmlift._binding import OK, POSE, TRACK, load, pointer, pointers
 from edmlift.body import give_measured, unmeasured
 from edmlift.keypoints import from_bits, read_joints, read_keypoints, read_up
-from edmlift.lifting import Poses, first, pointers, run_warnings, to_poses
+from edmlift.lifting import Poses, first, run_warnings, to_poses
 from edmlift.mistakes import wrong_unit_of_time
 from edmlift.networks import Model, find_model
 

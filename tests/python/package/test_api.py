@@ -309,6 +309,57 @@ def test_a_known_camera_sees_people_off_its_axis_as_if_it_looked_at_them(fixed: 
     assert (behind.status == "camera").all()
 
 
+@pytest.mark.parametrize("fixed", [False, True])
+@pytest.mark.parametrize("threads", [None, 1, 3])
+def test_each_pose_may_have_a_camera_an_image_and_up_of_its_own(fixed: bool, threads: int | None):
+    """As if each was lifted alone; enough of them for threads, of which some share a camera."""
+    keypoints = np.tile(WALK, (20, 1, 1))
+    number = np.arange(len(keypoints))
+    cameras = np.array([CAMERA, (900, 900, 400, 600), (1500, 1400, 500, 500)])[number // 7 % 3]
+    images = np.array([(1000.0, 1000.0), (500, 1000)])[number % 2]
+    ups = np.array([(0, -1.0, 0), (0.2, -1, 0), (0, -1, 0.3)])[number % 3]
+    together = edmlift.lift(
+        keypoints, up=ups, image=images, camera=cameras, fixed=fixed, threads=threads
+    )
+    for i in (0, 1, 6, 7, 38, 200, 401, len(number) - 1):
+        alone = edmlift.lift(
+            keypoints[i], up=ups[i], image=images[i], camera=cameras[i], fixed=fixed
+        )
+        for field in FIELDS:
+            np.testing.assert_array_equal(getattr(together, field)[i], getattr(alone, field))
+    assert len(np.unique(together.status)) == 2  # half of the body is outside of some images
+
+
+def test_each_image_turns_its_own_shares_into_pixels():
+    """Of a mirrored image, too, and of the square that MoveNet sees."""
+    pixels = np.concatenate([coco17(WALK[:3])[..., :2], np.ones((3, 17, 1))], -1)
+    sizes = np.array([(1000, 1000), (1000, 1600), (1200, 1000)])
+    sides = sizes.max(1)[:, None, None]
+    squares = pixels.copy()
+    squares[..., 1::-1] = (pixels[..., :2] + (sides - sizes[:, None]) / 2) / sides
+    for options in ({}, {"mirrored": True}):
+        found = edmlift.lift(squares, format="movenet17", image=sizes, **options)
+        wanted = edmlift.lift(pixels, format="coco17", image=sizes, **options)
+        np.testing.assert_allclose(found.joints, wanted.joints, atol=1e-4)
+        for i in range(3):
+            one = edmlift.lift(squares[i], format="movenet17", image=sizes[i], **options)
+            np.testing.assert_array_equal(one.joints, found.joints[i])
+
+
+def test_what_is_wrong_with_one_of_many():
+    cameras, images = np.tile(CAMERA, (len(WALK), 1)), np.full((len(WALK), 2), 1000.0)
+    cameras[3, 0], images[4, 1] = 0, np.nan
+    for message, options in [
+        ("each camera must be fx, fy, cx, cy", {"camera": cameras}),
+        ("camera must be fx, fy, cx, cy", {"camera": cameras[:2]}),
+        ("both over 0, or so many a pose", {"image": images}),
+        ("both over 0, or so many a pose", {"image": images[:2]}),
+        ("threads must be 1 or more, not 0", {"threads": 0}),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            edmlift.lift(WALK, **options)
+
+
 @pytest.mark.parametrize("up", [(0, 0, 0), (0, np.nan, 1), (0, 1), [(0, 1, 0)] * 2, [(0, 0, 0)]])
 def test_what_is_no_direction(up):
     with pytest.raises(ValueError, match="up must be"):
