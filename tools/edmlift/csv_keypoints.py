@@ -1,7 +1,7 @@
 """Lines of numbers, with or without a heading that says which number is what."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,12 +65,11 @@ class Columns:
             return False
         if names[0] == "status":
             raise HeadingError("poses, not keypoints: they are lifted already")
-        for known in self._known():
-            where = _find(names, known)
-            if where is not None:
-                self._fields, self._where = len(names), where
-                return True
-        raise HeadingError(self._complaint())
+        where = find_columns(names, self._format)
+        if where is None:
+            raise HeadingError(f"a heading that does not name all {known_columns(self._format)}")
+        self._fields, self._where = len(names), where
+        return True
 
     def read(self, text: str) -> NDArray[np.float32]:
         """Keypoints [K,3] of a line; NaN for what was not seen."""
@@ -98,24 +97,27 @@ class Columns:
             raise ValueError(f"{len(fields)} fields, but the heading has {self._fields}")
         return [_number(n + 1, fields[n], True) for point in self._where for n in point]
 
-    def _known(self) -> Iterator[list[str]]:
-        """What stands for each keypoint before _x: numbers are written without the underscore."""
-        yield [str(number) for number in range(self._count)]
-        if (names := names_of(self._format)) is not None:
-            yield list(names)
 
-    def _complaint(self) -> str:
-        names = names_of(self._format)
-        last = self._count - 1
-        named = "" if names is None else f"; or {names[0]}_x,{names[0]}_y,{names[0]}_score ..., of "
-        return (
-            f"a heading that does not name all keypoints of {self._format or 'a pose'}: known are "
-            f"x0,y0,c0 ... x{last},y{last},c{last}{named}{', '.join(names or ())}"
-        )
+def find_columns(names: Sequence[str], format: str | None) -> list[list[int]] | None:
+    """Which of these names, in lower case, are x, y and, where there is one, c of each keypoint;
+    None: not all are there."""
+    numbers = [str(number) for number in range(count_of(format))]
+    every = (_find(names, known) for known in (numbers, names_of(format)) if known is not None)
+    return next((where for where in every if where is not None), None)
 
 
-def _find(names: list[str], known: list[str]) -> list[list[int]] | None:
-    """The fields of x, y and, where there is one, c of each keypoint; None: not all are there."""
+def known_columns(format: str | None) -> str:
+    """What columns of keypoints are called, for a message."""
+    names, last = names_of(format), count_of(format) - 1
+    named = "" if names is None else f"; or {names[0]}_x,{names[0]}_y,{names[0]}_score ..., of "
+    return (
+        f"keypoints of {format or 'a pose'}: known are "
+        f"x0,y0,c0 ... x{last},y{last},c{last}{named}{', '.join(names or ())}"
+    )
+
+
+def _find(names: Sequence[str], known: Sequence[str]) -> list[list[int]] | None:
+    """The same; keypoints are known by a number, written without an underscore, or a name."""
     where = []
     for name in known:
         x, y, *confidences = (
@@ -127,6 +129,6 @@ def _find(names: list[str], known: list[str]) -> list[list[int]] | None:
     return where if len({len(fields) for fields in where}) == 1 else None
 
 
-def _places(names: list[str], name: str, endings: tuple[str, ...]) -> list[int]:
+def _places(names: Sequence[str], name: str, endings: tuple[str, ...]) -> list[int]:
     wanted = {f"{ending}{name}" if name.isdigit() else f"{name}_{ending}" for ending in endings}
     return [place for place, found in enumerate(names) if found in wanted]

@@ -18,6 +18,7 @@ from edmlift.people import Frame, Person, find_frames, is_one_person
 JSON_SUFFIXES = (".jsonl", ".ndjson", ".json")
 BAD_LINE = "bad_line"  # the status of what cannot be read
 NOBODY = "nobody"  # the status of a frame without people
+PIXELS = "keypoints of this format are normalised, 0 to 1; these look like pixels"
 ANSWERS = ("status", "joints", "misfit")
 
 
@@ -176,7 +177,7 @@ class _Parts:
     ) -> None:  # fmt: skip
         if points is not None and self._shares and look_like_pixels(points):
             points = None
-            problem = "keypoints of this format are normalised, 0 to 1; these look like pixels"
+            problem = PIXELS
         if points is None:
             self._problems[len(self._points)] = problem
             points = np.full((self._count, 3), np.nan, np.float32)

@@ -121,30 +121,6 @@ def lift(
     line, or like no person), "camera" (that camera cannot have seen it).  What looks like a mistake
     in five poses or more is in `Poses.warnings`.  ValueError: the arguments are wrong.
     """
-    poses, given, single = lift_without_warnings(
-        keypoints, model, up, format=format, threshold=threshold, image=image, camera=camera,
-        mirrored=mirrored, fixed=fixed, threads=threads,
-    )  # fmt: skip
-    if single:
-        return first(poses)
-    return replace(poses, warnings=run_warnings(poses, given, format))
-
-
-def lift_without_warnings(
-    keypoints: ArrayLike,
-    model: str | None = None,
-    up: ArrayLike | None = None,
-    *,
-    format: str | None = None,
-    threshold: float | None = None,
-    image: ArrayLike | None = None,
-    camera: ArrayLike | None = None,
-    mirrored: bool = False,
-    fixed: bool = False,
-    threads: int | None = None,
-) -> tuple[Poses, NDArray[np.float32], bool]:
-    """The poses of `lift`, the keypoints [F,K,3] that it read, c 0 where not seen, and whether one
-    pose was given without F."""
     if threads is not None and threads < 1:
         raise ValueError(f"threads must be 1 or more, not {threads}")
     chosen = find_model(model, fixed)
@@ -163,7 +139,9 @@ def lift_without_warnings(
     else:
         joints = seen if layout is None else adapt_joints(load(), seen, layout)
         poses = lift_joints(chosen, joints[:, sides], directions, cameras, threads)
-    return poses, given, single
+    if single:
+        return first(poses)
+    return replace(poses, warnings=run_warnings(poses, given, format))
 
 
 def run_warnings(poses: Poses, given: NDArray[np.float32], format: str | None) -> tuple[str, ...]:

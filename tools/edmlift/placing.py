@@ -175,7 +175,7 @@ def stand(poses: Poses, up: ArrayLike = (0.0, -1.0, 0.0)) -> NDArray[np.float32]
 def place_joints(model: Model, poses: Poses, camera: NDArray[np.float32]) -> Placements:
     """edml_place() before a camera [4]."""
 
-    def run(_i: int, at: list[int]) -> int:
+    def run(_i: int, at: tuple[int, ...]) -> int:
         placement, camera, pose, seen = at
         code: int = model.c.edml_place(placement, pose, seen, camera, work, model.work_bytes)
         return code
@@ -200,7 +200,7 @@ def camera_of(model: Model, poses: Poses, size: tuple[float, float]) -> NDArray[
 def place_joints_by_sweep(model: Model, poses: Poses, sizes: NDArray[np.float32]) -> Placements:
     """edml_place_sweep() in images of these sizes [F,2]."""
 
-    def run(i: int, at: list[int]) -> int:
+    def run(i: int, at: tuple[int, ...]) -> int:
         placement, camera, pose, seen = at
         size = [float(side) for side in sizes[i]]
         code: int = model.c.edml_place_sweep(

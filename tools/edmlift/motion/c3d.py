@@ -6,7 +6,7 @@ import numpy as np
 
 from edmlift.joints import JOINTS
 from edmlift.motion.clip import Clip
-from edmlift.motion.packages import need
+from edmlift.packages import need
 
 _MOST_FRAMES = 65535  # the format counts them in 16 bits
 _MILLIMETRES = 1000.0  # programs take them for granted
@@ -20,7 +20,7 @@ def write_c3d(path: Path, clip: Clip) -> None:
             f"{path}: a .c3d file holds at most {_MOST_FRAMES} frames, not {count}: write the clip "
             "in parts, or to another kind of file"
         )
-    file = need("ezc3d", ".c3d").c3d()
+    file = need("ezc3d", "a .c3d file").c3d()
     point = file["parameters"]["POINT"]
     point["RATE"]["value"] = [clip.rate]
     point["UNITS"]["value"] = ["mm"]

@@ -13,7 +13,7 @@ from edmlift.joints import mid_hip
 from edmlift.motion.bones import LEAVES, NODES, local, offsets, rotations
 from edmlift.motion.clip import Clip
 from edmlift.motion.held import held
-from edmlift.motion.packages import need
+from edmlift.packages import need
 
 _F64 = NDArray[np.float64]
 _FLOAT, _BYTE = 5126, 5121  # component types
@@ -57,7 +57,7 @@ class _Buffer:
 
 def write_glb(path: Path, clip: Clip) -> None:
     """Metres and quaternions; the asset faces z, as glTF has it."""
-    gltf = need("pygltflib", ".glb")
+    gltf = need("pygltflib", "a .glb file")
     clip = held(path, clip)
     rest = offsets(clip.joints)
     at = np.zeros((len(NODES), 3))

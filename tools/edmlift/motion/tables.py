@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from edmlift.joints import JOINTS
 from edmlift.motion.clip import Clip
-from edmlift.motion.packages import need
+from edmlift.packages import need
 
 _COORDINATES = tuple(f"{joint}_{axis}" for joint in JOINTS for axis in "xyz")
 
@@ -29,21 +29,21 @@ def write_csv(path: Path, clip: Clip) -> None:
 
 def write_parquet(path: Path, clip: Clip) -> None:
     """float32; null where there is no pose."""
-    need("pyarrow.parquet", ".parquet").write_table(_table(path, clip), path)
+    need("pyarrow.parquet", "a .parquet file").write_table(_table(path, clip), path)
 
 
 def write_arrow(path: Path, clip: Clip) -> None:
     """An Arrow IPC file, which is a Feather file of version 2; null where there is no pose.
 
     Without compression, because not every reader of Arrow has it."""
-    need("pyarrow.feather", path.suffix).write_feather(
+    need("pyarrow.feather", f"a {path.suffix} file").write_feather(
         _table(path, clip), str(path), compression="uncompressed"
     )
 
 
 def _table(path: Path, clip: Clip) -> Any:
     """A pyarrow.Table."""
-    arrow = need("pyarrow", path.suffix)
+    arrow = need("pyarrow", f"a {path.suffix} file")
 
     def numbers(values: NDArray[np.float64]) -> Any:
         return arrow.array(values.astype(np.float32), from_pandas=True)  # NaN is null
