@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from edmlift._version import __version__
 from edmlift.commands import convert, draw, lift, view
-from edmlift.commands.errors import TROUBLE, WRONG_OPTION, CommandError, OptionError
+from edmlift.commands.errors import INTERRUPTED, TROUBLE, WRONG_OPTION, CommandError, OptionError
 from edmlift.formats import FORMATS
 from edmlift.networks import models
 
@@ -39,7 +39,8 @@ def _print_formats(_options: argparse.Namespace) -> int:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs a command; returns its exit status: 0, 1 for trouble with files, 2 for wrong options."""
+    """Runs a command; returns its exit status: 0, 1 for trouble with files, 2 for wrong options,
+    130 if it was interrupted."""
     options = _parser().parse_args(arguments)
     code = TROUBLE
     try:
@@ -47,6 +48,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if sys.stdout is not None:
             sys.stdout.flush()
         return status
+    except KeyboardInterrupt:
+        message, code = "interrupted", INTERRUPTED
     except BrokenPipeError:  # whoever read the output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return TROUBLE

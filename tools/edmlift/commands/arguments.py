@@ -44,6 +44,9 @@ def add_lift_options(parser: argparse.ArgumentParser) -> None:
         help="the picture is a mirror image, as selfie cameras show it",
     )  # fmt: skip
     parser.add_argument("--up", type=direction, metavar="X,Y,Z", help=UP)
+    parser.add_argument(
+        "--threads", type=int, metavar="N", help="processors to use at most (default: all)"
+    )
 
 
 def size(text: str) -> tuple[float, float]:

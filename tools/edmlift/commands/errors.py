@@ -3,7 +3,7 @@
 import contextlib
 from collections.abc import Iterator
 
-TROUBLE, WRONG_OPTION = 1, 2  # exit statuses; argparse has the second, too
+TROUBLE, WRONG_OPTION, INTERRUPTED = 1, 2, 130  # exit statuses; argparse has the second, too
 
 
 class CommandError(Exception):

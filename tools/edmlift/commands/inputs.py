@@ -3,37 +3,36 @@
 import argparse
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from edmlift._binding import JOINT_COUNT
 from edmlift.commands.errors import CommandError, about_options
 from edmlift.files import read_poses, read_truth
-from edmlift.formats import find_format
 from edmlift.keypoint_files import Lines, read_source
+from edmlift.keypoint_sets import count_of
 from edmlift.keypoints import read_joints
 from edmlift.lifting import Poses, lift
+
+_LIFT_OPTIONS = (
+    "model", "up", "format", "threshold", "image", "camera", "mirrored", "fixed", "threads",
+)  # fmt: skip
 
 
 def check_lift_options(options: argparse.Namespace) -> None:
     """Before a file is read: lifts nobody by these options."""
     with about_options():
-        count = JOINT_COUNT if options.format is None else find_format(options.format).keypoints
-        lift(
-            np.zeros((0, count, 3)), options.model, options.up, format=options.format,
-            threshold=options.threshold, image=options.image, camera=options.camera,
-            mirrored=options.mirrored,
-            fixed=options.fixed,
-        )  # fmt: skip
+        lift(np.zeros((0, count_of(options.format), 3)), **lift_options(options))
+
+
+def lift_options(options: argparse.Namespace) -> dict[str, Any]:
+    """What `lift` is to be given beside the keypoints."""
+    return {name: getattr(options, name) for name in _LIFT_OPTIONS}
 
 
 def lift_lines(lines: Lines, options: argparse.Namespace) -> Poses:
     """Poses of lines; what holds no person has the status of that."""
-    poses = lift(
-        lines.keypoints, options.model, options.up, format=options.format,
-        threshold=options.threshold, image=options.image, camera=options.camera,
-        mirrored=options.mirrored, fixed=options.fixed,
-    )  # fmt: skip
+    poses = lift(lines.keypoints, **lift_options(options))
     return replace(poses, status=lines.statuses(poses.status))
 
 

@@ -8,6 +8,12 @@ from typing import BinaryIO, TextIO
 from edmlift.commands.arguments import DOCUMENTATION, add_lift_options, intrinsics
 from edmlift.commands.errors import TROUBLE, CommandError, OptionError
 from edmlift.commands.inputs import check_lift_options, lift_lines
+from edmlift.commands.lift_tables import (
+    TABLES,
+    add_table_options,
+    check_no_table_options,
+    lift_table,
+)
 from edmlift.commands.motion_output import (
     MOTION,
     PLAIN_SUFFIXES,
@@ -19,6 +25,7 @@ from edmlift.files import csv_lines, json_lines
 from edmlift.keypoint_files import Lines, is_json, read_lines, read_source
 from edmlift.motion import MOTION_SUFFIXES
 from edmlift.placing import place
+from edmlift.tables import is_table
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -28,6 +35,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         description="Lifts a file of 2D poses to 3D, a line of input to a line of output.",
         epilog=DOCUMENTATION
         + "\n"
+        + TABLES
         + MOTION
         + "\nposes: status,x0,y0,z0,...,x13,y13,z13,misfit in metres; x right, y down, z away\n"
         "from the camera, origin between the hips.  A pose that cannot be lifted has another\n"
@@ -36,7 +44,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
-        "keypoints", help="file of 2D poses, or folder of JSON files; - is the standard input"
+        "keypoints",
+        help="file of 2D poses, or folder of JSON files or tables; - is the standard input",
     )
     parser.add_argument("-o", "--out", metavar="FILE", help="default: the standard output")
     add_lift_options(parser)
@@ -44,15 +53,19 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser.add_argument("--header", action="store_true", help="names of the columns first")
     parser.add_argument("--json", action="store_true", help="the input is JSON, whatever its name")
     add_motion_options(parser)
+    add_table_options(parser)
     parser.add_argument(
         "--camera", type=intrinsics, metavar="FX,FY,CX,CY",
-        help="of a camera that stands still, in pixels: the person moves through the room",
+        help="of a camera that stands still, in pixels: in motion files and tables alone",
     )  # fmt: skip
     parser.set_defaults(run=_lift)
 
 
 def _lift(options: argparse.Namespace) -> int:
     source = options.keypoints
+    if source != "-" and is_table(source):
+        return lift_table(options)
+    check_no_table_options(options)
     as_json = options.json or (source != "-" and is_json(source))
     if as_json and options.header:
         raise OptionError("--header is for CSV, not for JSON lines")
