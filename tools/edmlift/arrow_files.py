@@ -11,7 +11,7 @@ from typing import Any
 from edmlift.arrow import Lifter
 from edmlift.keypoint_files import FileError
 from edmlift.packages import need
-from edmlift.tables import table_files
+from edmlift.tables import TABLE_SUFFIXES, table_files
 
 need("tqdm", "the progress of a table", extra="arrow")
 
@@ -53,6 +53,8 @@ def _open(source: Path) -> Any:
     """The rows of a file, or of the files of a folder and its folders in the order of their names;
     folders called NAME=VALUE are a column."""
     files = table_files(source)
+    if not files:
+        raise FileError(f"{source}: a folder without files that end in {', '.join(TABLE_SUFFIXES)}")
     kinds = {path.suffix.lower() for path in files}
     if len({kind == ".parquet" for kind in kinds}) > 1:
         raise FileError(f"{source}: has files of several kinds: {', '.join(sorted(kinds))}")
