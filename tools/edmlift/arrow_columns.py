@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from edmlift.csv_keypoints import find_columns, known_columns
 from edmlift.formats import BY_IMAGE, BY_SQUARE, find_format
 from edmlift.keypoint_files import PIXELS
-from edmlift.keypoint_sets import CONFIDENCES, count_of, wrong_count
+from edmlift.keypoint_sets import CONFIDENCES, count_of, names_of, wrong_count
 from edmlift.keypoints import look_like_pixels
 from edmlift.people import PERSON_NAMES, SCORES_NAME
 
@@ -140,6 +140,8 @@ def _people(column: pa.Array, format: str | None) -> People:
         points, fine = _points(inner)
         points, fits = _rows(points, lengths, count)
         fits[np.repeat(np.arange(len(lengths)), lengths)[~fine]] = False
+        points, named = _by_name(points, inner, lengths, format)
+        fits &= named
     else:
         points, fits = _triples(_floats(inner), lengths, count)
     bad = ~fits & (lengths > 0)
@@ -153,7 +155,7 @@ def _problem(length: int, nested: bool, format: str | None) -> str:
     if not nested:
         return wrong_count(f"{length} numbers", f"{2 * count} or {3 * count}", length / 3, format)
     if length == count:
-        return "a keypoint is neither x, y nor x, y, c"
+        return "a keypoint is neither x, y nor x, y, c, or not named as one of the format's"
     return wrong_count(f"{length} keypoints", f"{count}", length, format)
 
 
@@ -168,6 +170,27 @@ def _points(array: pa.Array) -> tuple[_Floats, _Flags]:
         return points, np.ones(len(array), bool)
     points, fits = _triples(*_unnested(array, _floats), 1)
     return points[:, 0], fits | _flags(array.is_null())
+
+
+def _by_name(
+    points: _Floats, inner: pa.Array, lengths: NDArray[np.int64], format: str | None
+) -> tuple[_Floats, _Flags]:
+    """Points [N,K,3] in the format's order, if those `inner` are structs with names, and which have
+    each name once, or none at all."""
+    names, structs = names_of(format), pa.types.is_struct(inner.type)
+    if names is None or not structs or inner.type.get_field_index("name") < 0:
+        return points, np.ones(len(points), bool)
+    given = _plain(inner.field("name"))
+    if not (pa.types.is_string(given.type) or pa.types.is_large_string(given.type)):
+        raise _WrongType
+    found = pc.index_in(given, pa.array(names, given.type)).to_numpy(zero_copy_only=False)
+    places, _ = _rows(found.astype(np.float32), lengths, len(names))
+    unnamed, _ = _rows(np.float32(given.is_null()), lengths, len(names))
+    every = np.arange(len(names), dtype=np.float32)
+    places[(unnamed == 1).all(1)] = every
+    order = places.argsort(1)
+    named = (np.take_along_axis(places, order, 1) == every).all(1)
+    return np.take_along_axis(points, order[..., None], 1), named
 
 
 def _from_struct_of_lists(array: pa.Array, count: int) -> People:

@@ -32,11 +32,10 @@ def lift_files(source: Path, out: Path, lifter: Lifter) -> Counter[str]:
     """
     dataset = _open(source)
     schema = lifter.schema(dataset.schema)
-    scanner = dataset.scanner(batch_size=ROWS, batch_readahead=1, fragment_readahead=1)
     counts: Counter[str] = Counter()
     bar = tqdm(total=dataset.count_rows(), unit=" poses", unit_scale=True, disable=None)
     with bar, _whole(out) as part, _writer(part, out.suffix.lower(), schema) as writer:
-        for table in _gathered(lifter.map(scanner.to_batches()), schema):
+        for table in _gathered(lifter.map(_batches(dataset)), schema):
             writer.write_table(table)
             for count in pc.value_counts(table[f"{lifter.prefix}status"]).to_pylist():
                 counts[count["values"]] += count["counts"]
@@ -62,6 +61,36 @@ def _open(source: Path) -> Any:
         [str(path) for path in files], format="parquet" if ".parquet" in kinds else "ipc",
         partitioning="hive", partition_base_dir=str(source),
     )  # fmt: skip
+
+
+def _batches(dataset: Any) -> Iterator[Any]:
+    """Of ROWS or fewer.  A scan of the dataset would read up to a gigabyte ahead of the lift."""
+    for file in dataset.get_fragments():
+        keys = ds.get_partition_keys(file.partition_expression)
+        for batch in _read(file.path):
+            yield _completed(batch, keys, dataset.schema)
+
+
+def _read(path: str) -> Iterator[Any]:
+    if path.lower().endswith(".parquet"):
+        with pq.ParquetFile(path, memory_map=True) as file:
+            yield from file.iter_batches(ROWS)
+        return
+    with pa.memory_map(path) as memory:
+        file = pa.ipc.open_file(memory)
+        for batch in map(file.get_batch, range(file.num_record_batches)):
+            yield from (batch.slice(start, ROWS) for start in range(0, batch.num_rows, ROWS))
+
+
+def _completed(batch: Any, keys: dict[str, Any], schema: Any) -> Any:
+    """A batch of a file with all columns of the dataset: those that folders name, or null."""
+
+    def column(field: Any) -> Any:
+        if field.name in batch.schema.names:
+            return batch.column(field.name).cast(field.type)
+        return pa.repeat(pa.scalar(keys.get(field.name), field.type), batch.num_rows)
+
+    return pa.RecordBatch.from_arrays([column(field) for field in schema], schema=schema)
 
 
 def _gathered(batches: Iterable[Any], schema: Any) -> Iterator[Any]:
