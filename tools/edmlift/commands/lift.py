@@ -36,6 +36,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         epilog=DOCUMENTATION
         + "\n"
         + TABLES
+        + "\n"
         + MOTION
         + "\nposes: status,x0,y0,z0,...,x13,y13,z13,misfit in metres; x right, y down, z away\n"
         "from the camera, origin between the hips.  A pose that cannot be lifted has another\n"
