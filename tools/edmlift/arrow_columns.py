@@ -185,7 +185,7 @@ def _by_name(
         raise _WrongType
     found = pc.index_in(given, pa.array(names, given.type)).to_numpy(zero_copy_only=False)
     places, _ = _rows(found.astype(np.float32), lengths, len(names))
-    unnamed, _ = _rows(np.float32(given.is_null()), lengths, len(names))
+    unnamed, _ = _rows(_flags(given.is_null()).astype(np.float32), lengths, len(names))
     every = np.arange(len(names), dtype=np.float32)
     places[(unnamed == 1).all(1)] = every
     order = places.argsort(1)
