@@ -108,7 +108,10 @@ static real square_and_scale(horn_matrix *n)
     }
     const real scale = DIV(REAL(1.0), trace);
     for (int i = 0; i < 4; i++)
-        for (int j = i; j < 4; j++) n->at[i][j] = n->at[j][i] = MUL(scale, square.at[i][j]);
+        for (int j = i; j < 4; j++) {
+            n->at[i][j] = MUL(scale, square.at[i][j]);
+            n->at[j][i] = n->at[i][j];
+        }
     return trace;
 }
 

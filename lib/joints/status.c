@@ -14,6 +14,7 @@ const char *edml_status_name(edml_status status)
     }
         EDML_STATUSES(EDML_STATUS_CASE)
 #undef EDML_STATUS_CASE
+    default:
+        return "?";
     }
-    return "?";
 }

@@ -46,9 +46,10 @@ static EDML_NOINLINE void multiply(real *product, const real *a, const real *w, 
 /* A - w q' - q w' */
 static EDML_NOINLINE void subtract_outer(real *a, const real *w, const real *q, int m)
 {
+    real *entry = a;
     for (int i = 0; i < m; i++) {
         const real wi = w[i], qi = q[i];
-        for (int j = i; j < m; j++) *a++ -= FROM_EXACT(EXACT(wi, q[j]) + EXACT(qi, w[j]));
+        for (int j = i; j < m; j++) *entry++ -= FROM_EXACT(EXACT(wi, q[j]) + EXACT(qi, w[j]));
     }
 }
 

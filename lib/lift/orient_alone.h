@@ -14,10 +14,10 @@
 
 EDML_INTERNAL edml_status edml__orient_alone(edml_work *work, const edml_model *model)
 {
-    edml_refine(work->x, work->prediction.distance, (edml_objective)model->objective, model->refine_steps,
-                work);
+    (void)edml_refine(work->x, work->prediction.distance, (edml_objective)model->objective,
+                      model->refine_steps, work);
     const edml_status status = edml_orient(work->x, &work->image);
-    if (status == EDML_OK) edml_mirror(work->x, model);
+    if (status == EDML_OK) (void)edml_mirror(work->x, model);
     return status;
 }
 

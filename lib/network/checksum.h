@@ -16,8 +16,9 @@ static uint32_t hash_value(uint32_t hash, const void *item, size_t size)
     static const uint16_t one = 1;
     const size_t flip = *(const uint8_t *)&one == 1 ? 0 : size - 1;
     const uint8_t *byte = (const uint8_t *)item;
-    for (size_t n = 0; n < size; n++) hash = (hash ^ byte[n ^ flip]) * 16777619U;
-    return hash;
+    uint32_t next = hash;
+    for (size_t n = 0; n < size; n++) next = (next ^ byte[n ^ flip]) * 16777619U;
+    return next;
 }
 
 static uint32_t hash_values(uint32_t hash, const void *values, uint32_t count, size_t size)

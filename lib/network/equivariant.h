@@ -71,7 +71,7 @@ EDML_INTERNAL void WEIGHTS(edml__equivariant)(value *out, const value *in, const
     uint8_t own_list[OWN_LIST ? LISTED : 1];
     if (model->layer_count % 2 == 0) swap_units(&x, &y);
     int even = read_inputs(x, in, model->even_inputs);
-    read_inputs(x + even, in + model->even_inputs, model->inputs - model->even_inputs);
+    (void)read_inputs(x + even, in + model->even_inputs, model->inputs - model->even_inputs);
     for (int n = 1; n < model->layer_count; n++, layer++) {
         const int count = EDML_ROWS * EDML_GROUPS(layer->outputs);
         const layer_inputs read = take_inputs(x, even, layer, OWN_LIST ? own_list : (uint8_t *)out);

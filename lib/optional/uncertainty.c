@@ -5,7 +5,7 @@
  */
 #include <stddef.h>
 
-#include "edmlift.h"
+#include "edmlift/body.h"
 
 enum { MOST_MISSING = 4 };
 

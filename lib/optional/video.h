@@ -368,7 +368,8 @@ static point smooth_seen(edml_track *track, edml_keypoint in[], pixels size)
             moved.y += (joint->image.at.y - before.y) / count;
         } else {
             joint->image = at_rest(seen);
-            joint->innovation_x = joint->innovation_y = 0;
+            joint->innovation_x = 0;
+            joint->innovation_y = 0;
         }
         joint->age = 0;
         in[j].x = joint->image.at.x;
@@ -473,8 +474,11 @@ void edml_track_start(edml_track *track)
 static void forget(edml_track *track)
 {
     track->elapsed = 0;
-    track->arms_log_odds = track->legs_log_odds = SIDES_AT_START;
-    track->jitter = track->image_step = track->space_step = 0;
+    track->arms_log_odds = SIDES_AT_START;
+    track->legs_log_odds = SIDES_AT_START;
+    track->jitter = 0;
+    track->image_step = 0;
+    track->space_step = 0;
     for (int j = 0; j < EDML_JOINTS; j++) track->joint[j].age = HOLD_MS + 1;
 }
 
@@ -541,7 +545,10 @@ edml_status edml_track_lift(edml_pose *out, edml_track *track, const edml_keypoi
     const edml_status status = edml_lift(out, joints, up, model, work, work_bytes);
     if (status != EDML_OK) return status;
     if (next.aside > 0) {
-        next.elapsed = next.held = next.swapped = next.mirrored = 0;
+        next.elapsed = 0;
+        next.held = 0;
+        next.swapped = 0;
+        next.mirrored = 0;
     } else {
         out->seen = (uint16_t)(out->seen & ~next.held);
         smooth_pose(&next, out);

@@ -157,7 +157,7 @@ static int orthogonal_iteration_step(estimate *next, const scene *v, const estim
                  rotate(&v->scatter, s->rotation.z)};
     for (int j = 0; j < EDML_JOINTS; j++) {
         joint_residual of;
-        line_residual(&of, v, s, j);
+        (void)line_residual(&of, v, s, j);
         const point miss = stretch(v, plus(times(of.miss_a, of.a), times(of.miss_b, of.b)));
         add_product(&m, minus(zero, miss), v->joint[j]);
     }

@@ -127,7 +127,8 @@ static edml_status measure_spread(scene *v)
 static void set_lines(scene *v)
 {
     const point zero = {0, 0, 0};
-    v->across = v->down = zero;
+    v->across = zero;
+    v->down = zero;
     v->lines = zero_matrix;
     for (int j = 0; j < EDML_JOINTS; j++) {
         const real x = v->a[j].x, y = v->a[j].y, root = v->ray[j].z;
