@@ -11,6 +11,7 @@ import argparse
 import re
 import subprocess
 import sys
+import tempfile
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -133,13 +134,11 @@ def count(sources: Sequence[Path]) -> Counts:
     """Breaks of each rule by sources and the headers that they include, each place once."""
     version = run("cppcheck", "--version")
     names = [str(source.relative_to(ROOT)) for source in sources]
-    done = subprocess.run(
-        ["cppcheck", *OPTIONS, *INCLUDES, *names],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    with tempfile.TemporaryDirectory() as folder:  # else it writes beside the sources
+        done = subprocess.run(
+            ["cppcheck", *OPTIONS, f"--cppcheck-build-dir={folder}", *INCLUDES, *names],
+            cwd=ROOT, capture_output=True, text=True, check=False,
+        )  # fmt: skip
     if done.returncode != 0 or "misra" not in done.stderr:
         raise ToolError(f"{version.strip()}: {done.stdout}{done.stderr}")
     found = set(re.findall(r"^(.*):misra-c2012-([\d.]+):(\d+:\d+)$", done.stderr, re.M))
