@@ -114,6 +114,10 @@ DEVIATIONS = {
         A, "no `+` on pointers",
         "parts of work memory are arrays of the sizes beside them",
     ),
+    "18.8": Deviation(
+        R, "no arrays of variable length",
+        "a false alarm: a constant of an enumeration is their size",
+    ),
     "19.2": Deviation(A, "no unions", "work memory is used again by the stages that follow"),
     "20.1": Deviation(A, "`#include` comes first", "`edmlift/work.h` needs the types before it"),
     "20.5": Deviation(A, "no `#undef`", "a macro of one list is gone after it"),
