@@ -98,6 +98,7 @@ DEVIATIONS = {
         A, "`++` stands alone",
         "loops over triangles of matrices go on by one entry",
     ),
+    "14.2": Deviation(R, "a `for` loop has one counter", "pointers run to an end"),
     "14.4": Deviation(R, "a condition is Boolean", NO_BOOLEAN),
     "15.5": Deviation(
         A, "one `return` a function",
