@@ -16,7 +16,7 @@ KINDS = re.compile(
     (?P<comment> /\*.*?\*/ )
   | (?P<directive> ^[ \t]*\# (?: /\*.*?\*/ | \\\n | [^\n] )* )
   | (?P<string> "(?: \\. | [^"\\\n] )*" | '(?: \\. | [^'\\\n] )*' )
-  | (?P<number> {NUMBER} (?: ,\s*-?{NUMBER} )* )  # tables are long: all of a row and the next
+  | (?P<number> {NUMBER} (?: (?:,|[ ]U)\s*-?{NUMBER} )* )  # a table: it is long
   | (?P<name> [A-Za-z_]\w* )
   | (?P<space> \n | [ \t]+ )
   | (?P<mark> -> | . )
