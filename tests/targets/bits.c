@@ -5,7 +5,8 @@
  * The input comes from integers and single float operations, so that it is the same as well.
  *
  * -DPARTS=N prints a part, so that it fits a small flash: 1 what distances lifts, 2 direct, 4 fconn, 8 the
- * rest, 16 videos.
+ * rest, 16 videos.  -DPUBLIC leaves out what calls functions that a shared library does not export: the lines
+ * that begin with fconv.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -462,23 +463,6 @@ static void refine_shapes_q24(void)
     }
 }
 
-/* The distances that the small FConv of fconv_tiny.h predicts. */
-static int convolve(const edml_model *model)
-{
-    static edml_fconv_work fconv_work;
-    for (int n = 0; n < NETS; n++) {
-        edml_image image = {{{0, 0}}, {0, 1}, (1 << EDML_JOINTS) - 1};
-        edml_prediction said;
-        for (int j = 0; j < EDML_JOINTS; j++) {
-            image.at[j].u = draw_float();
-            image.at[j].v = 2.0F * draw_float();
-        }
-        edml_predict(&said, &image, NULL, model, &fconv_work, sizeof fconv_work);
-        add_bytes(said.distance, sizeof said.distance);
-    }
-    return NETS;
-}
-
 static void start(void)
 {
     hash = 14695981039346656037U;
@@ -526,12 +510,35 @@ static void report_the_rest(void)
     report("float", measure_poses(), "measured");
     start();
     report("fixed", measure_poses_q24(), "measured");
-    start();
+}
+
+#ifndef PUBLIC
+/* The distances that the small FConv of fconv_tiny.h predicts. */
+static int convolve(const edml_model *model)
+{
+    static edml_fconv_work fconv_work;
+    for (int n = 0; n < NETS; n++) {
+        edml_image image = {{{0, 0}}, {0, 1}, (1 << EDML_JOINTS) - 1};
+        edml_prediction said;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            image.at[j].u = draw_float();
+            image.at[j].v = 2.0F * draw_float();
+        }
+        edml_predict(&said, &image, NULL, model, &fconv_work, sizeof fconv_work);
+        add_bytes(said.distance, sizeof said.distance);
+    }
+    return NETS;
+}
+
+static void report_small_networks(void)
+{
     const edml_model f32 = tiny_f32(), w8 = tiny_w8();
+    start();
     report_of("fconv f32", convolve(&f32), NETS, "computed");
     start();
     report_of("fconv w8", convolve(&w8), NETS, "computed");
 }
+#endif
 
 static void report_videos(void)
 {
@@ -551,6 +558,9 @@ int main(void)
     if (PARTS & 2) report_lifts(&edml_direct_f32, &edml_direct_w16, &edml_direct_w8);
     if (PARTS & 4) report_lifts(&edml_fconn_f32, &edml_fconn_w16, &edml_fconn_w8);
     if (PARTS & 8) report_the_rest();
+#ifndef PUBLIC
+    if (PARTS & 8) report_small_networks();
+#endif
     if (PARTS & 16) report_videos();
     return 0;
 }

@@ -3,6 +3,7 @@
 import ctypes
 import functools
 import os
+import platform
 import sys
 from collections.abc import Iterator
 from ctypes import c_char_p, c_float, c_int, c_int32, c_size_t, c_uint8, c_uint16, c_uint32
@@ -255,6 +256,13 @@ def _load(path: Path) -> ctypes.CDLL:
             "`cmake -S . -B build/dev -DEDMLIFT_TOOLS=ON && cmake --build build/dev` for a working "
             "copy; or let EDMLIFT_LIBRARY name its file"
         )
-    library = ctypes.CDLL(str(path))
+    try:
+        library = ctypes.CDLL(str(path))
+    except OSError as error:
+        machine = f"{platform.system()} on {platform.machine()}"
+        raise ImportError(
+            f"{path} is no library for this Python ({machine}): `pip install --force-reinstall "
+            f"--no-cache-dir edmlift` gets the right one, or compiles it ({error})"
+        ) from None
     _declare(library, path)
     return library

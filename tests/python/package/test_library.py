@@ -99,6 +99,13 @@ def test_missing_library_says_how_to_build_it(tmp_path: Path):
         edmlift.Library(path=tmp_path / "none.so")
 
 
+def test_a_library_of_another_machine_says_so(tmp_path: Path):
+    other = tmp_path / "libedmlift.so"
+    other.write_bytes(b"MZ")
+    with pytest.raises(ImportError, match=r"libedmlift\.so is no library for this .*pip install"):
+        edmlift.Library(path=other)
+
+
 def test_the_environment_names_the_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("EDMLIFT_LIBRARY", str(tmp_path / "theirs.so"))
     with pytest.raises(FileNotFoundError, match="theirs"):
