@@ -10,8 +10,7 @@ from channels.archives import EPOCH
 from data.paths import ROOT
 from reports.targets import ToolError, library_flags, run
 
-# What zig compiled before: its own runtime for each target, which takes longer than the library.
-CACHE = ROOT / "build" / "zig"
+CACHE = ROOT / "build" / "zig"  # of what zig compiled before, its own runtimes as well
 COMPILE = (*library_flags(), "-O2", "-fPIC")
 # memcpy() and what the processor lacks, such as divisions, come from the compiler's runtime.
 ALONE = ("-nostdlib", "-rtlib=compiler-rt", "-Wl,--gc-sections")
@@ -66,24 +65,25 @@ def need_modules(*names: str) -> None:
             raise ToolError(f"{sys.executable} has no {name}: {todo}")
 
 
-def zig(target: str, *arguments: object, folder: Path) -> None:
+def zig(target: str, *arguments: object, folder: Path, cache: Path = CACHE) -> None:
     """The compiler, in a folder."""
     settings = {
-        "ZIG_GLOBAL_CACHE_DIR": str(CACHE),
-        "ZIG_LOCAL_CACHE_DIR": str(CACHE),
+        "ZIG_GLOBAL_CACHE_DIR": str(cache),
+        "ZIG_LOCAL_CACHE_DIR": str(cache),
         "SOURCE_DATE_EPOCH": str(EPOCH),  # libraries of Windows have a time
     }
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target]
     run(*command, *arguments, cwd=folder, env=os.environ | settings)
 
 
-def compile_library(platform: Platform, source: Path) -> Path:
+def compile_library(platform: Platform, source: Path, cache: Path = CACHE) -> Path:
     """The library of edmlift.c in a folder, in one below it."""
     folder = source / platform.target
     folder.mkdir(exist_ok=True)
     item = f"{folder.name}/edmlift.o"
     options = (*COMPILE, *platform.processor)
-    zig(platform.target, *options, "-c", "edmlift.c", "-o", item, folder=source)
+    zig(platform.target, *options, "-c", "edmlift.c", "-o", item, folder=source, cache=cache)
     link = ("-shared", "-s", *platform.link, *platform.processor)
-    zig(platform.target, *link, "edmlift.o", "-o", platform.library, folder=folder)
+    made = ("-o", platform.library)
+    zig(platform.target, *link, "edmlift.o", *made, folder=folder, cache=cache)
     return folder / platform.library

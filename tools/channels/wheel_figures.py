@@ -8,14 +8,15 @@ all of them the clock's; the best of some rounds, because other programs run as 
 """
 
 import argparse
+import math
 import os
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from ctypes import c_int
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +32,7 @@ from reports import markdown
 from reports.targets import INCLUDES, SOURCES, ToolError, library_flags, run
 
 PAGE = DOCS / "python.md"
-PEOPLE, ROUNDS, NOISE = 100_000, 7, 3.0  # pixels
+PEOPLE, ROUNDS, NOISE = 100_000, 9, 3.0  # pixels
 MODELS = ("distances_f32", "distances_w16", "direct_f32", "direct_w16")
 AVX2 = "-mcpu=x86_64_v3"
 CALLS = ["C library", "`lift()`", '`lift(format="coco17")`', "`lift()`, all cores"]
@@ -55,14 +56,15 @@ def as_coco(joints: np.ndarray) -> np.ndarray:
     return np.concatenate([nose_and_eyes, joints[:, order]], 1)
 
 
-def rate(call: Callable[[], object], clock: Callable[[], float], count: int) -> float:
-    """Thousands a second of `count`."""
-    times = []
+def rates(calls: Sequence[Callable[[], object]], clock: Callable[[], float]) -> list[int]:
+    """Thousands of PEOPLE a second by each call, in turns."""
+    least = [math.inf] * len(calls)
     for _ in range(ROUNDS):
-        start = clock()
-        call()
-        times.append(clock() - start)
-    return round(count / min(times) / 1000)
+        for n, call in enumerate(calls):
+            start = clock()
+            call()
+            least[n] = min(least[n], clock() - start)
+    return [round(PEOPLE / seconds / 1000) for seconds in least]
 
 
 def c_call(name: str, library: Path, joints: np.ndarray) -> Callable[[], object]:
@@ -75,16 +77,6 @@ def c_call(name: str, library: Path, joints: np.ndarray) -> Callable[[], object]
     return lambda: model.c.edml_lift_many(*map(pointer, arrays), *rest)
 
 
-@contextmanager
-def one_core() -> Iterator[None]:
-    allowed = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, {min(allowed)})
-    try:
-        yield
-    finally:
-        os.sched_setaffinity(0, allowed)
-
-
 def speeds(library: Path) -> str:
     """Each model by the C library alone, and by the package."""
     os.environ["EDMLIFT_LIBRARY"] = str(library)
@@ -94,12 +86,13 @@ def speeds(library: Path) -> str:
     for name in MODELS:
         calls = [
             c_call(name, library, joints),
-            lambda name=name: edmlift.lift(joints, name),
-            lambda name=name: edmlift.lift(keypoints, name, format="coco17"),
+            partial(edmlift.lift, joints, name, threads=1),
+            partial(edmlift.lift, keypoints, name, format="coco17", threads=1),
         ]
-        with one_core():
-            rates = [rate(call, time.process_time, PEOPLE) for call in calls]
-        rows[f"`{name}`"] = [*rates, rate(calls[1], time.perf_counter, PEOPLE)]
+        on_all_cores = [partial(edmlift.lift, joints, name)]
+        rows[f"`{name}`"] = [
+            *rates(calls, time.process_time), *rates(on_all_cores, time.perf_counter)
+        ]  # fmt: skip
     return markdown.table("thousand poses a second", CALLS, rows)
 
 
@@ -112,10 +105,9 @@ def builds(platform: Platform, library: Path, folder: Path) -> str:
     libraries = {"wheel": library, "for AVX2": later, "from source, `cc -O2`": compiled}
     joints = people()
     rows = {
-        f"`{name}`": [
-            rate(c_call(name, path, joints), time.process_time, PEOPLE)
-            for path in libraries.values()
-        ]
+        f"`{name}`": rates(
+            [c_call(name, path, joints) for path in libraries.values()], time.process_time
+        )
         for name in MODELS
     }
     return markdown.table("thousand poses a second", list(libraries), rows)
@@ -126,7 +118,7 @@ def tables() -> dict[str, str]:
     if host() not in PLATFORMS:
         raise ToolError(f"there is no wheel for {host()}")
     platform = PLATFORMS[host()]
-    write_source()
+    write_source(SOURCE)
     library = compile_library(platform, SOURCE)
     with tempfile.TemporaryDirectory() as name:
         for file in ("edmlift.c", "edmlift.h"):

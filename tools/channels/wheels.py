@@ -19,7 +19,7 @@ from pathlib import Path
 
 from channels import wheel_checks
 from channels.amalgamation import amalgamate, known_models
-from channels.platforms import PLATFORMS, Platform, compile_library, need_modules
+from channels.platforms import CACHE, PLATFORMS, Platform, compile_library, need_modules
 from data.paths import ROOT
 from reports.targets import ToolError, run
 
@@ -27,8 +27,10 @@ SOURCE = ROOT / "build" / "wheels"
 
 
 def build(folder: Path) -> list[Path]:
-    """The source distribution and all wheels."""
-    return [build_sdist(folder), *build_wheels(folder, PLATFORMS)]
+    """The source distribution and all wheels; all of it compiled, whatever was before."""
+    with tempfile.TemporaryDirectory() as temporary:
+        source, cache = Path(temporary, "source"), Path(temporary, "zig")
+        return [build_sdist(folder), *build_wheels(folder, PLATFORMS, source, cache)]
 
 
 def build_sdist(folder: Path) -> Path:
@@ -36,28 +38,32 @@ def build_sdist(folder: Path) -> Path:
     return package(folder, "--sdist")
 
 
-def build_wheels(folder: Path, names: Iterable[str]) -> list[Path]:
-    """Wheels of some of the PLATFORMS."""
+def build_wheels(
+    folder: Path, names: Iterable[str], source: Path = SOURCE, cache: Path = CACHE
+) -> list[Path]:
+    """Wheels of some of the PLATFORMS.  `source` is where zig finds what it compiles, `cache` has
+    what it compiled before."""
     need_modules("ziglang", "build", "scikit_build_core")
     platforms = [PLATFORMS[name] for name in names]
-    write_source()
+    write_source(source)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        libraries = list(pool.map(lambda platform: compile_library(platform, SOURCE), platforms))
+        libraries = list(pool.map(lambda p: compile_library(p, source, cache), platforms))
     return [
         build_wheel(folder, platform, library)
         for platform, library in zip(platforms, libraries, strict=True)
     ]
 
 
-def write_source() -> None:
-    """The one file of all models in SOURCE; left as it is if it is that, because zig does not
+def write_source(folder: Path) -> None:
+    """The one file of all models in a folder; left as it is if it is that, because zig does not
     compile again what nobody touched."""
-    SOURCE.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as temporary:
         amalgamate(list(known_models()), ["all"], Path(temporary))
-        same, *_ = filecmp.cmpfiles(temporary, SOURCE, ["edmlift.c", "edmlift.h"], shallow=False)
-        for name in {"edmlift.c", "edmlift.h"} - set(same):
-            shutil.copy(Path(temporary) / name, SOURCE)
+        names = {"edmlift.c", "edmlift.h"}
+        same, *_ = filecmp.cmpfiles(temporary, folder, names, shallow=False)
+        for name in names - set(same):
+            shutil.copy(Path(temporary) / name, folder)
 
 
 def build_wheel(folder: Path, platform: Platform, library: Path) -> Path:

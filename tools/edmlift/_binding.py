@@ -245,7 +245,12 @@ def default_path() -> Path:
 
 def load(path: Path | None = None) -> ctypes.CDLL:
     """The C library, every function declared; loaded once a file."""
-    return _load((path or default_path()).resolve())
+    return _load_named(path or default_path())
+
+
+@functools.cache
+def _load_named(path: Path) -> ctypes.CDLL:
+    return _load(path.resolve())
 
 
 @functools.cache

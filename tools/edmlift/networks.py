@@ -1,6 +1,7 @@
 """The networks that the C library holds, by name."""
 
 import ctypes
+import functools
 from dataclasses import dataclass
 
 from edmlift._binding import load
@@ -51,6 +52,7 @@ def find_model(name: str | None = None, fixed: bool = False, c: ctypes.CDLL | No
     return Model(name, fixed, c, address, _work_bytes(c, address, fixed))
 
 
+@functools.cache
 def _names(c: ctypes.CDLL, fixed: bool) -> tuple[str, ...]:
     held = [name for name in NAMES if hasattr(c, f"edml_{name}")]
     return tuple(name for name in held if _work_bytes(c, _address(c, name), fixed) > 0)

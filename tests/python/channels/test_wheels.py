@@ -1,5 +1,6 @@
 """pip install: the source distribution and wheels as a release has them, in a fresh environment."""
 
+import re
 import shutil
 import subprocess
 import sys
@@ -29,12 +30,7 @@ MODULES = {
     for path in (ROOT / "tools" / "edmlift").rglob("*")
     if path.is_file() and "__pycache__" not in path.parts
 }
-FOUR_LINES = """
-import edmlift
-keypoints = edmlift.read_keypoints("walk.csv")
-poses = edmlift.lift(keypoints)
-edmlift.write_poses("lifted.csv", poses)
-"""
+PAGE = (ROOT / "docs" / "python.md").read_text("utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -98,6 +94,7 @@ def test_a_wheel_holds_the_package_and_the_library(name: str, built: dict[str, P
     tags = ".".join(sorted(platform.tags))
     assert path.name == f"edmlift-{version()}-py3-none-{tags}.whl"
     assert path.stat().st_size < 3_000_000
+    assert f"It is {path.stat().st_size / 1e6:.1f} MB" in PAGE
     assert wheel_checks.platform_of(path) == name
     wheel_checks.check_record(path)
 
@@ -153,13 +150,15 @@ def test_another_processor_gives_the_same_bits(built: dict[str, Path], tmp_path:
     wheel_checks.check_bits(library, wheel_checks.ARM64)
 
 
-def test_four_lines_lift_the_sample_walk(wheel: Path, folder: Path):
+def test_the_page_of_python_lifts_the_sample_walk(wheel: Path, folder: Path):
     need_library()
+    (program,) = re.findall(r"^```python\n(.*?)^```$", PAGE, re.M | re.S)
     python = wheel_checks.install(wheel, folder / "venv")
     empty = folder / "empty"
     empty.mkdir()
     shutil.copy(EXAMPLES / "walk.csv", empty)
-    run(python, "-c", FOUR_LINES, cwd=empty, env={})
+    said = run(python, "-c", program, cwd=empty, env={})
+    assert said == re.search(r"print\(poses\)  # (.*\n)", program)[1]
     lifted = (empty / "lifted.csv").read_text()
     assert lifted.count("ok,") == len(WALK)
     assert run(python.parent / "edmlift", "lift", "walk.csv", cwd=empty, env={}) == lifted
