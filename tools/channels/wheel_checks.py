@@ -60,6 +60,7 @@ SYSTEMS = {
     "linux_armv7l": (ARMHF,),
     "windows_amd64": (WINE,),
 }
+DEBIAN = "bookworm"
 PYTHONS = {"linux_aarch64": "arm64", "linux_armv7l": "armhf"}  # Debian's names, for QEMU
 
 
@@ -213,7 +214,9 @@ def lifted_in_qemu(wheel: Path, name: str) -> str:
     (system,), platform = SYSTEMS[name], PLATFORMS[name]
     with tempfile.TemporaryDirectory() as folder:
         root, site = Path(folder) / "root", Path(folder) / "site"
-        packages = ("--include=python3-numpy", "bookworm", root)
+        about = ("--format", "$(SITE)", "Created-By: Packages", f"Codename: {DEBIAN}")
+        mirror, *_ = run("apt-get", "indextargets", *about).split()
+        packages = ("--include=python3-numpy", DEBIAN, root, mirror)
         run("mmdebstrap", "--variant=extract", f"--architectures={PYTHONS[name]}", *packages)
         tags = [f"--platform={tag}" for tag in platform.tags]
         pip("install", "-q", "--no-deps", "--only-binary=:all:", *tags, "--target", site, wheel)
