@@ -21,6 +21,7 @@ from types import ModuleType
 
 from channels.version import version
 from data.paths import ROOT
+from reports.targets import ToolError
 
 FOLDER = Path(__file__).parent
 SUMS = "SHA256SUMS"
@@ -150,7 +151,7 @@ def main() -> int:
             is_committed()
             is_dated()
         files = release(wanted, given.out, not given.no_check)
-    except (ReleaseError, OSError, ValueError, subprocess.CalledProcessError) as error:
+    except (ReleaseError, ToolError, OSError, ValueError, subprocess.CalledProcessError) as error:
         print(f"no release: {error}", file=sys.stderr)
         return 1
     print(f"\nedmlift {version()}, in {given.out}:")
