@@ -240,7 +240,8 @@ def default_path() -> Path:
     """What EDMLIFT_LIBRARY names, or the library in the package, or that of build/dev."""
     if named := os.environ.get("EDMLIFT_LIBRARY"):
         return Path(named)
-    return INSTALLED if INSTALLED.exists() else BUILT
+    is_working_copy = (_HERE.parents[1] / "include" / "edmlift.h").exists()
+    return BUILT if is_working_copy and not INSTALLED.exists() else INSTALLED
 
 
 def load(path: Path | None = None) -> ctypes.CDLL:
@@ -257,7 +258,8 @@ def _load_named(path: Path) -> ctypes.CDLL:
 def _load(path: Path) -> ctypes.CDLL:
     if not path.exists():
         raise FileNotFoundError(
-            f"{path}: the C library is not there. `pip install .` builds it into the package, "
+            f"{path}: the C library is not there. `pip install --force-reinstall edmlift` brings "
+            "it; in a clone `pip install .` builds it into the package, "
             "`cmake -S . -B build/dev -DEDMLIFT_TOOLS=ON && cmake --build build/dev` for a working "
             "copy; or let EDMLIFT_LIBRARY name its file"
         )
