@@ -41,9 +41,9 @@ static int on_a_line(const edml_image_point at[EDML_JOINTS], uint16_t seen)
         uv += MUL(du, dv);
         vv += MUL(dv, dv);
     }
-    uu /= joints;
-    uv /= joints;
-    vv /= joints;
+    uu /= (real)joints;
+    uv /= (real)joints;
+    vv /= (real)joints;
     return MUL(uu, vv) - MUL(uv, uv) <= MUL(MUL(THIN_SQUARED, uu + vv), uu + vv);
 }
 

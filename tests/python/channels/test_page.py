@@ -210,7 +210,7 @@ def test_the_docs_have_its_figures(folder: Path):
     download = sum(package.megabytes for package in packages_of(DETECTORS.values()))
     assert f"by npm ({download} MB)" in docs
     for package in packages_of(DETECTORS.values()):
-        assert f"[{package.name}](" in docs and f") {package.version} (" in docs
+        assert f"`{package.name}` {package.version} (" in docs
     listed = json.loads((folder / "files.json").read_text("utf-8"))["detectors"]
     for name, row in (("blazepose-lite", "BlazePose lite, heavy"),
                       ("movenet-lightning", "MoveNet lightning")):  # fmt: skip
