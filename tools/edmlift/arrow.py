@@ -117,7 +117,7 @@ class Lifter:
         ColumnError: the keypoints, or what options name, are not there, or of another type; or a
         column has the name of one that is added.  What looks like a mistake is a UserWarning, once.
         """
-        full = self.schema(batch.schema)
+        full = self._with_added(batch.schema)
         if not isinstance(batch, pa.Table):
             return self._lift_batch(batch, full)
         return pa.Table.from_batches([self._lift_batch(b, full) for b in batch.to_batches()], full)
@@ -137,7 +137,15 @@ class Lifter:
         status     string: "ok", or why there is no pose: those of `edmlift.lift`; "nobody", because
                    the keypoints are null or empty; "bad_row", because they are not as many as the
                    format has, or up, image or camera could not be
+
+        ColumnError: as for a batch, so that a job can fail before it starts.
         """
+        full = self._with_added(schema)
+        nobody = [column.chunk(0) for column in schema.empty_table().columns]
+        self._lift_batch(pa.RecordBatch.from_arrays(nobody, schema=schema), full)
+        return full
+
+    def _with_added(self, schema: pa.Schema) -> pa.Schema:
         for one in _FIELDS:
             name = self.prefix + one.name
             if name in schema.names:

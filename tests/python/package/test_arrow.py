@@ -144,9 +144,7 @@ def test_named_keypoints_are_placed_by_name():
     people[1] = [point | {"name": None} for point in people[1]]
     same(lift_batch(batch(people), format="coco17"), wanted)
     people[2][3]["name"], people[3][4]["name"], people[4][5]["name"] = "thumb", "nose", None
-    with pytest.warns(
-        UserWarning, match="3 of 20 rows are bad_row; .* or not named"
-    ):
+    with pytest.warns(UserWarning, match="3 of 20 rows are bad_row; .* or not named"):
         lifted = lift_batch(batch(people), format="coco17")
     assert statuses(lifted)[:6] == ["ok", "ok", BAD_ROW, BAD_ROW, BAD_ROW, "ok"]
     with pytest.warns(UserWarning, match="under 0.2"):
@@ -253,6 +251,18 @@ def test_the_schema_is_known_before():
     about = lifted.schema.field("pose").metadata
     names = [f"{joint}_{axis}" for joint in edmlift.JOINTS for axis in "xyz"]
     assert about[b"unit"] == b"m" and about[b"order"].decode().split() == names
+
+
+@pytest.mark.parametrize("kind", [pa.string(), pa.list_(pa.list_(pa.string())), pa.int8()])
+def test_the_schema_of_what_cannot_be_lifted(kind: object):
+    """Is refused as a batch would be, before any comes."""
+    with pytest.raises(ColumnError, match='column "keypoints" is'):
+        edmlift.arrow.schema(pa.schema({"keypoints": kind}), format="coco17")
+    with pytest.raises(ColumnError, match='there is no column "g"'):
+        edmlift.arrow.schema(batch(rows()).schema, format="coco17", up="g")
+    tensors = pa.schema({"keypoints": pa.fixed_shape_tensor(pa.float32(), (17, 3)),
+                         "name": pa.dictionary(pa.int8(), pa.string())})  # fmt: skip
+    assert edmlift.arrow.schema(tensors, format="coco17").names == [*tensors.names, *ADDED]
 
 
 def test_what_was_there_stays_as_it_is():
