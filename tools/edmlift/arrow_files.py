@@ -19,7 +19,10 @@ import pyarrow as pa  # noqa: E402
 import pyarrow.compute as pc  # noqa: E402
 import pyarrow.dataset as ds  # noqa: E402
 import pyarrow.parquet as pq  # noqa: E402
+from pyarrow import ArrowException  # noqa: E402
 from tqdm import tqdm  # noqa: E402
+
+__all__ = ["ArrowException", "Lifter", "lift_files", "say"]
 
 ROWS = 65_536  # of a batch, and of a row group that is written
 
@@ -96,11 +99,13 @@ def _completed(batch: Any, keys: dict[str, Any], schema: Any) -> Any:
 def _gathered(batches: Iterable[Any], schema: Any) -> Iterator[Any]:
     """Batches as tables of ROWS or more, because small row groups are slow to read."""
     waiting: list[Any] = []
+    rows = 0
     for batch in batches:
         waiting.append(batch)
-        if sum(one.num_rows for one in waiting) >= ROWS:
+        rows += batch.num_rows
+        if rows >= ROWS:
             yield pa.Table.from_batches(waiting, schema)
-            waiting = []
+            waiting, rows = [], 0
     if waiting:
         yield pa.Table.from_batches(waiting, schema)
 

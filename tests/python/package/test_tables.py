@@ -171,12 +171,18 @@ def test_what_cannot_be_done(source: Path, tmp_path: Path, capsys: pytest.Captur
     (tmp_path / "both").mkdir()
     for suffix in ("arrow", "parquet"):
         (tmp_path / "both" / f"x.{suffix}").touch()
+    (tmp_path / "differ").mkdir()
+    pq.write_table(people(), tmp_path / "differ" / "0.parquet")
+    pq.write_table(pa.table({"id": [1], "keypoints": [1]}), tmp_path / "differ" / "1.parquet")
+    pq.write_table(pa.table([[1], [2]], ["a", "a"]), tmp_path / "twice.parquet")
     for message, *arguments in [
         ('there is no column "g"', source, "-o", out, *OPTIONS, "--column", "up=g"),
         ("none.parquet", tmp_path / "none.parquet", "-o", out),
         ("broken.parquet", tmp_path / "broken.parquet", "-o", out),
         ("files of several kinds: .arrow, .parquet", tmp_path / "both", "-o", out),
         ("is a folder, but one file is written", source, "-o", tmp_path / "folder.parquet"),
+        ("differ: Unsupported cast", tmp_path / "differ", "-o", out, *OPTIONS),
+        ("twice.parquet: Can't unify", tmp_path / "twice.parquet", "-o", out, *OPTIONS),
         ("No such file or directory", source, "-o", tmp_path / "none" / "x.parquet", *OPTIONS),
         ("a folder without files that end in .parquet", tmp_path / "folder.parquet", "-o", out),
     ]:

@@ -7,7 +7,7 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-from edmlift.commands.errors import OptionError, about_options
+from edmlift.commands.errors import CommandError, OptionError, about_options
 from edmlift.commands.inputs import lift_options
 from edmlift.tables import TABLE_SUFFIXES
 
@@ -31,12 +31,14 @@ def add_table_options(parser: argparse.ArgumentParser) -> None:
 
 def _column(text: str) -> tuple[str, Any]:
     name, _, value = text.partition("=")
-    parts = [_number_or_name(part) for part in value.split(",")]
+    parts = value.split(",")
     if name not in COLUMNS or "" in parts:
         raise argparse.ArgumentTypeError(
             f"must be NAME=COLUMN with NAME of {', '.join(COLUMNS)}, not {text!r}"
         )
-    return name, parts[0] if len(parts) == 1 else tuple(parts)
+    if len(parts) == 1 or name in ("keypoints", "scores"):
+        return name, value
+    return name, tuple(map(_number_or_name, parts))
 
 
 def _number_or_name(text: str) -> float | str:
@@ -56,7 +58,10 @@ def lift_table(options: argparse.Namespace) -> int:
     with warnings.catch_warnings():
         warnings.simplefilter("always", UserWarning)
         warnings.showwarning = lambda text, *_: files.say(f"edmlift: warning: {text}")
-        counts = files.lift_files(Path(options.keypoints), Path(options.out), lifter)
+        try:
+            counts = files.lift_files(Path(options.keypoints), Path(options.out), lifter)
+        except files.ArrowException as error:
+            raise CommandError(f"{options.keypoints}: {' '.join(str(error).split())}") from None
     statuses = ", ".join(f"{count:,} {status}" for status, count in counts.most_common())
     total = f"{sum(counts.values()):,} rows: {statuses}" if counts else "no rows"
     print(f"edmlift: {options.out}: {total}", file=sys.stderr)
