@@ -251,10 +251,57 @@ const char *json_after(const char *p)
 
 const char *json_member(const char *p) { return skip_blanks(skip_blanks(skip_string(p)) + 1); }
 
+static unsigned long hexadecimal(const char *p) /* four digits */
+{
+    unsigned long number = 0;
+    for (int n = 0; n < 4; n++)
+        number = number << 4 | (unsigned long)(is_digit(p[n]) ? p[n] - '0' : (p[n] | ' ') - 'a' + 10);
+    return number;
+}
+
+/* The character at *p within a string, and moves *p behind it; END_OF_NAME at its end.  The two halves of a
+ * surrogate pair are one. */
+enum { END_OF_NAME = -1 };
+static long take_from_name(const char **p)
+{
+    static const char letters[] = "\"\\/bfnrt", meant[] = "\"\\/\b\f\n\r\t";
+    const unsigned char *at = (const unsigned char *)*p;
+    if (*at == '"') return END_OF_NAME;
+    if (*at == '\\' && at[1] != 'u') {
+        *p += 2;
+        return meant[strchr(letters, at[1]) - letters];
+    }
+    if (*at == '\\') {
+        const unsigned long unit = hexadecimal(*p + 2);
+        *p += 6;
+        if (unit >> 10 != 0x36 || strncmp(*p, "\\u", 2) != 0 || hexadecimal(*p + 2) >> 10 != 0x37)
+            return (long)unit;
+        *p += 6;
+        return (long)(0x10000 + ((unit & 0x3FF) << 10) + (hexadecimal(*p - 4) & 0x3FF));
+    }
+    const int more = *at >= 0xF0 ? 3 : *at >= 0xE0 ? 2 : *at >= 0xC0 ? 1 : 0;
+    long character = more == 0 ? *at : *at & (0x3F >> more);
+    for (int n = 1; n <= more; n++) character = character << 6 | (at[n] & 0x3F);
+    *p += 1 + more;
+    return character;
+}
+
+int json_is_named_as(const char *p, const char *like)
+{
+    long character;
+    p++, like++;
+    do {
+        character = take_from_name(&p);
+        if (take_from_name(&like) != character) return 0;
+    } while (character != END_OF_NAME);
+    return 1;
+}
+
 int json_is_named(const char *p, const char *name)
 {
-    const size_t length = strlen(name);
-    return strncmp(p + 1, name, length) == 0 && p[1 + length] == '"';
+    for (p++; *name != '\0'; name++)
+        if (*p == '"' || take_from_name(&p) != *name) return 0;
+    return *p == '"';
 }
 
 int json_is_number(const char *p) { return *p == '-' || *p == 'n' || is_digit(*p); }

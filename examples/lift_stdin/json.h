@@ -65,8 +65,10 @@ const char *json_end(const char *p);
 /* The value of the member at p, which is its name. */
 const char *json_member(const char *p);
 
-/* Is this the name of the member at p?  A name with escapes never is. */
+/* Is this the name of the member at p, or do two members have the same, however they are escaped?  `name` is in
+ * ASCII. */
 int json_is_named(const char *p, const char *name);
+int json_is_named_as(const char *p, const char *like);
 
 /* Is it a number, or null? */
 int json_is_number(const char *p);

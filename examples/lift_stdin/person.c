@@ -44,22 +44,29 @@ static const char *first_named(const char *object, const char *const names[])
     return found;
 }
 
-/* A member that the answer would repeat; or NULL. */
-static const char *name_of_answer(const char *object, int listed, const options *set)
+/* The name of the member at p if the answer has it as well; or NULL. */
+static const char *name_of_answer(const char *p, int listed, const options *set)
 {
-    static const char *const names[] = {"status", "joints",       "misfit", "quality", "person", "placement",
-                                        "root",   "reprojection", "focal",  "angles",  NULL};
+    static const char *const names[] = {"status", "joints",    "misfit", "quality",
+                                        "person", "placement", "root",   "reprojection",
+                                        "focal",  "angles",    NULL};
     enum { ALWAYS = 3, QUALITY = 3, PERSON = 4, ANGLES = 9 };
-    for (const char *p = json_first(object); p != NULL; p = json_after(json_member(p))) {
-        const int n = name_among(p, names);
-        const int is_added = n < ALWAYS     ? n >= 0
-                             : n == QUALITY ? set->quality
-                             : n == PERSON  ? set->track && listed
-                             : n == ANGLES  ? set->angles
-                                            : places(set);
-        if (is_added) return names[n];
-    }
-    return NULL;
+    const int n = name_among(p, names);
+    const int is_added = n < ALWAYS     ? n >= 0
+                         : n == QUALITY ? set->quality
+                         : n == PERSON  ? set->track && listed
+                         : n == ANGLES  ? set->angles
+                                        : places(set);
+    return is_added ? names[n] : NULL;
+}
+
+/* The first member of an object that the answer would repeat; or NULL. */
+static const char *repeated_name(const char *object, int listed, const options *set)
+{
+    const char *name = NULL;
+    for (const char *p = json_first(object); p != NULL && name == NULL; p = json_after(json_member(p)))
+        name = name_of_answer(p, listed, set);
+    return name;
 }
 
 /* FNV-1a of a value's text. */
@@ -139,33 +146,41 @@ static void write_placement(const answer *out, int lifted)
         fputs(",\"root\":null,\"reprojection\":null,\"focal\":null", stdout);
 }
 
-static int has_member(const char *object, const char *name) /* with its quotation marks */
+static int has_member(const char *object, const char *like)
 {
-    const size_t length = (size_t)(json_end(name) - name);
     for (const char *p = json_first(object); p != NULL; p = json_after(json_member(p)))
-        if (strncmp(p, name, length) == 0) return 1;
+        if (json_is_named_as(p, like)) return 1;
     return 0;
 }
 
-/* Writes what was read: members of the frame that the person lacks, and the person's own. */
-static void write_members(const json_person *one)
+/* Writes the members of an object that are neither the answer's nor `but_for`'s. */
+static void write_members_of(const char *object, const char *but_for, int listed, const options *set)
 {
-    const char *own = one->text != NULL && !one->bare ? json_first(one->text) : NULL;
-    for (const char *p = json_first(one->head); p != NULL; p = json_after(json_member(p)))
-        if (own == NULL || !has_member(one->text, p))
-            printf("%.*s,", (int)(json_end(json_member(p)) - p), p);
-    if (own != NULL)
-        printf("%.*s,", (int)(json_end(one->text) - 1 - own), own);
-    else if (one->text != NULL && one->bare)
-        printf("\"keypoints\":%.*s,", (int)(json_end(one->text) - one->text), one->text);
+    for (const char *p = json_first(object); p != NULL; p = json_after(json_member(p))) {
+        if (name_of_answer(p, listed, set) != NULL || (but_for != NULL && has_member(but_for, p))) continue;
+        printf("%.*s,", (int)(json_end(json_member(p)) - p), p);
+    }
 }
 
-/* Writes a line: what was read, unless it has names of the answer, and the answer. */
+/* Writes what was read: members of the frame that the person lacks, and the person's own. */
+static void write_members(const json_person *one, const options *set)
+{
+    const char *text = one->text, *own = text != NULL && !one->bare ? json_first(text) : NULL;
+    write_members_of(one->head, own != NULL ? text : NULL, one->listed, set);
+    if (text != NULL && one->bare)
+        printf("\"keypoints\":%.*s,", (int)(json_end(text) - text), text);
+    else if (own != NULL && repeated_name(text, one->listed, set) != NULL)
+        write_members_of(text, NULL, one->listed, set);
+    else if (own != NULL) /* as it stands */
+        printf("%.*s,", (int)(json_end(text) - 1 - own), own);
+}
+
+/* Writes a line: what was read, but for members that have names of the answer, and the answer. */
 static void write_answer(const json_person *one, const answer *out, const options *set)
 {
     const int lifted = strcmp(out->status, "ok") == 0;
     putchar('{');
-    if (one != NULL) write_members(one);
+    if (one != NULL) write_members(one, set);
     printf("\"status\":\"%s\"", out->status);
     if (set->track && one != NULL && one->listed && out->person >= 0)
         printf(",\"person\":%ld", out->person);
@@ -191,16 +206,16 @@ static void write_answer(const json_person *one, const answer *out, const option
 /* The member of a person that the answer adds as well; NULL: there is none. */
 static const char *repeated(const json_person *one, const options *set)
 {
-    const char *name = name_of_answer(one->head, one->listed, set);
+    const char *name = repeated_name(one->head, one->listed, set);
     if (name != NULL || one->text == NULL || one->bare) return name;
-    return name_of_answer(one->text, one->listed, set);
+    return repeated_name(one->text, one->listed, set);
 }
 
 void answer_bad(const json_person *one, unsigned long line, const char *wrong, const options *set)
 {
     static const answer bad_line = {.status = "bad_line", .person = -1};
     note_bad(line, wrong);
-    write_answer(one != NULL && repeated(one, set) == NULL ? one : NULL, &bad_line, set);
+    write_answer(one, &bad_line, set);
 }
 
 /* The keypoints and their scores; *set_text is NULL if nobody is there.  Returns NULL or what is wrong. */

@@ -210,6 +210,26 @@ def test_members_of_the_frame_stand_before_the_persons_unless_it_has_them():
     assert result.stdout.decode().startswith(expected)
 
 
+@pytest.mark.parametrize(
+    "of_frame, own",
+    [
+        ("id", "id"),
+        ("id", "\\u0069d"),
+        ("\\u00e9\\n\\/", "\N{LATIN SMALL LETTER E WITH ACUTE}\\u000A/"),
+        ("\\uD83D\\uDE00", "\N{GRINNING FACE}"),
+    ],
+)
+def test_names_are_the_same_however_they_are_escaped(of_frame: str, own: str):
+    frame = f'{{"{of_frame}": 1, "people": [{{"{own}": 2, "keypoints": {json.dumps(FLAT)}}}]}}'
+    pairs = json.loads(run(frame, "--json").stdout, object_pairs_hook=list)
+    assert [value for name, value in pairs if name == json.loads(f'"{own}"')] == [2]
+
+
+def test_an_escaped_name_is_read():
+    text = json.dumps({"keypoints": FLAT}).replace("keyp", "\\u006Beyp")
+    np.testing.assert_array_equal(joints(answers(text)), WALKING[[0]])
+
+
 def test_a_frames_members_are_its_own():
     (one,) = answers(json.dumps({"a": 1, "instance_info": [{"b": 2, "keypoints": FLAT}]}))
     assert "a" not in one and one["b"] == 2

@@ -160,7 +160,7 @@ class _Parts:
         answer = next((answer for answer in ANSWERS if answer in members), None)
         if answer is not None:
             problem = problem or f'has a member "{answer}", which the answer adds: rename it'
-            members = {}
+            members = {name: value for name, value in members.items() if name not in ANSWERS}
         if not problem and person.points is None:
             self._nobody.add(len(self._points))
             points = np.zeros((self._count, 3), np.float32)
