@@ -85,6 +85,21 @@ def test_options_that_change_floats_are_refused_or_change_nothing(
         assert "edmlift computes" in built.stderr or "'387' unit is not supported" in built.stderr
 
 
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("method, allowed", [(0, True), (16, True), (1, False), (2, False), (-1, False)])
+def test_floats_in_a_wider_format_are_refused(compiler: str, method: int, allowed: bool) -> None:
+    """As on s390x with -std=c99 (1), and on x86 without SSE (2)."""
+    need(compiler)
+    says = ["-U__FLT_EVAL_METHOD__", f"-D__FLT_EVAL_METHOD__={method}"]
+    source = ROOT / "lib" / "optional" / "camera_f32.c"
+    command = [compiler, *library_flags(), "-w", *says, *INCLUDES, "-fsyntax-only", source]
+    built = subprocess.run(command, capture_output=True, text=True)
+    assert (built.returncode == 0) == allowed
+    if not allowed:
+        assert "edmlift computes in float, not in a wider format" in built.stderr
+        assert "-mfpmath=sse" in built.stderr and "-std=gnu99" in built.stderr
+
+
 FUSED = re.compile(r"\b(vfn?m[as]|fn?m(add|sub))[.\w]*\b")
 
 

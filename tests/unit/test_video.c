@@ -2,6 +2,8 @@
  *
  * SPDX-License-Identifier: MIT
  */
+#include <float.h>
+
 #include "helpers.h"
 #include "q24.h"
 #include "network/model.h" /* to make models that take the wrong mirror image */
@@ -826,6 +828,25 @@ static void a_track_that_was_not_started_and_bad_settings_are_refused(void)
     TEST_ASSERT_EQUAL_INT(EDML_OK, run(0));
 }
 
+/* What is legal however large it is: a speed times the slope is beyond all floats. */
+static void the_largest_settings_give_poses(void)
+{
+    static const float slopes[] = {5.2e36F, 1e38F, FLT_MAX};
+    rng r = rng_seed(97);
+    for (int n = 0; n < 3; n++) {
+        start();
+        track.smooth_image.slope = track.smooth_space.slope = slopes[n];
+        track.smooth_image.cutoff = track.smooth_space.cutoff = n == 2 ? FLT_MIN : 1;
+        for (int frame = 0; frame < 30; frame++) {
+            see_turned(frame / 10);
+            if (frame % 2) add_noise(&r, 3);
+            TEST_ASSERT_EQUAL_INT(EDML_OK, run(33 * (uint32_t)frame));
+            TEST_ASSERT_TRUE(all_finite(pose.joint, 3 * EDML_JOINTS));
+            for (int j = 0; j < EDML_JOINTS; j++) TEST_ASSERT_TRUE(all_finite(&track.joint[j], 14));
+        }
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -860,6 +881,7 @@ int main(void)
     RUN_TEST(bad_frames_leave_no_trace);
     RUN_TEST(an_absurd_frame_is_got_over);
     RUN_TEST(a_track_that_was_not_started_and_bad_settings_are_refused);
+    RUN_TEST(the_largest_settings_give_poses);
     RUN_TEST(integers_track_as_floats_do);
     RUN_TEST(settings_in_integers_have_ranges);
     return UNITY_END();
