@@ -1,7 +1,7 @@
 /* Any bytes into lift_stdin's readers of JSON and of CSV: each line of the answer is whole and has a status that
  * exists.  Into its scanner of JSON as well: what that calls sound it can walk, to the same end.
  *
- * With libFuzzer (libfuzzer.sh) or, with its own main, on pseudo-random changes of files: fuzz_stdin [COUNT].
+ * driver.h says how to run it; its pseudo-random inputs are changes of what detectors write.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -13,9 +13,8 @@
 #include <ctype.h>
 #include <stdlib.h>
 
+#include "driver.h"
 #include "json.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void require(int holds, const char *what)
 {
@@ -175,7 +174,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     return 0;
 }
 
-#ifndef EDML_LIBFUZZER
+/* ---- Inputs ---------------------------------------------------------------------------------------- */
+
 /* As detectors write, with holes and in short: most changes are of what matters. */
 static const char *const seeds[] = {
     "{\"id\":7,\"keypoints\":[[1.5,-2e3,0.9],[0,1],null,[null,null]],"
@@ -197,35 +197,28 @@ static const char *const seeds[] = {
     "x15,y15,x16,y16,t\n309,444,313,427,301,423,305,422,272,417,315,512,270,492,331,624,195,604,345,728,"
     "165,732,358,739,276,730,353,917,266,906,317,999,230,995,now\n",
 };
-enum { SEEDS = (int)(sizeof seeds / sizeof seeds[0]), LONGEST = 1024 };
+enum { SEEDS = (int)(sizeof seeds / sizeof seeds[0]) };
 
-static uint32_t state = 1;
+const char *const fuzz_target_names[] = {"lift_stdin", NULL};
 
-static uint32_t some(uint32_t below)
-{
-    state = state * 1664525U + 1013904223U;
-    return (state >> 8) % below;
-}
+void fuzz_select(int target) { (void)target; }
 
-int main(int argc, char **argv)
+static uint64_t drawn, of_number;
+
+static uint32_t some(uint32_t below) { return (uint32_t)(random_bits(of_number, drawn++) >> 32) % below; }
+
+size_t fuzz_fill(uint8_t input[INPUT_BYTES], uint64_t number)
 {
     static const char letters[] = "{}[]\",:\\0-1.e+ntu a\xC3\xA9\xED\xF4\xFF\x01\n\n,,";
-    const int count = argc > 1 ? atoi(argv[1]) : 20000;
-    int sound = 0;
-    for (int n = 0; n < count; n++) {
-        uint8_t text[LONGEST];
-        const char *seed = seeds[some(SEEDS)];
-        size_t length = strlen(seed);
-        memcpy(text, seed, length);
-        for (uint32_t edits = some(8); edits > 0; edits--)
-            text[some((uint32_t)length)] = (uint8_t)letters[some(sizeof letters - 1)];
-        if (some(4) == 0) length = 1 + some((uint32_t)length);
-        if (some(2) == 0) text[length - 1] = (uint8_t)some(256);
-        sound += scan(text, length) > 0;
-        LLVMFuzzerTestOneInput(text, length);
-    }
-    require(count < 1000 || (sound > count / 100 && sound < count), "one kind of text only");
-    printf("%d texts, %d sound\n", count, sound);
-    return 0;
+    of_number = number;
+    drawn = 0;
+    const char *seed = seeds[some(SEEDS)];
+    size_t length = strlen(seed);
+    require(length <= INPUT_BYTES, "a seed is too long");
+    memcpy(input, seed, length);
+    for (uint32_t edits = some(8); edits > 0; edits--)
+        input[some((uint32_t)length)] = (uint8_t)letters[some(sizeof letters - 1)];
+    if (some(4) == 0) length = 1 + some((uint32_t)length);
+    if (some(2) == 0) input[length - 1] = (uint8_t)some(256);
+    return length;
 }
-#endif

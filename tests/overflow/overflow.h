@@ -43,6 +43,17 @@ edml_status checked_track_lift(edml_pose_q *pose, int32_t *distance, const edml_
 int checked_refine(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS], edml_objective objective,
                    int steps, checked_tally *tally);
 
+/* Stages alone, and what they took: edml_body_frame_q(), edml_predict_q() as far as the model gives something,
+ * edml_jacobi_q() without its work memory, edml_align_q() and edml_orient_q(). */
+edml_status checked_body_frame(edml_image_q *image, const edml_keypoint_q in[EDML_JOINTS],
+                               int fewest_joints, const edml_imputation *imputation, checked_tally *tally);
+edml_status checked_predict(edml_prediction_q *out, const edml_image_q *image, const edml_point_q24 *up,
+                            const edml_model *model, checked_tally *tally);
+void checked_jacobi(edml_eigen_q *eigen, const edml_matrix_q *a, checked_tally *tally);
+void checked_align(edml_point_q24 x[EDML_JOINTS], const edml_point_q24 onto[EDML_JOINTS],
+                   const edml_model *model, checked_tally *tally);
+edml_status checked_orient(edml_point_q24 x[EDML_JOINTS], const edml_image_q *image, checked_tally *tally);
+
 /* edml_adapt_q(), and what it took. */
 void checked_adapt(edml_keypoint_q out[EDML_JOINTS], const edml_keypoint_q in[], const edml_format *format,
                    checked_tally *tally);
