@@ -86,7 +86,9 @@ def test_options_that_change_floats_are_refused_or_change_nothing(
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@pytest.mark.parametrize("method, allowed", [(0, True), (16, True), (1, False), (2, False), (-1, False)])
+@pytest.mark.parametrize(
+    "method, allowed", [(0, True), (16, True), (1, False), (2, False), (-1, False)]
+)
 def test_floats_in_a_wider_format_are_refused(compiler: str, method: int, allowed: bool) -> None:
     """As on s390x with -std=c99 (1), and on x86 without SSE (2)."""
     need(compiler)

@@ -821,9 +821,12 @@ static void a_track_that_was_not_started_and_bad_settings_are_refused(void)
         track.smooth_space = bad[n];
         TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
     }
-    start();
-    track.noise_full = -1;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
+    static const float bad_noise[] = {-1, NAN, INFINITY};
+    for (int n = 0; n < 3; n++) {
+        start();
+        track.noise_full = bad_noise[n];
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, run(0));
+    }
     start();
     TEST_ASSERT_EQUAL_INT(EDML_OK, run(0));
 }
