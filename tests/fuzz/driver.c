@@ -54,17 +54,34 @@ static int run_folder(const char *name)
 
 /* ---- Pseudo-random inputs --------------------------------------------------------------------------- */
 
+enum { NAME_BYTES = 64 };
+
+static void name_input(char name[NAME_BYTES], const char *target)
+{
+    snprintf(name, NAME_BYTES, "fuzz_%s.input", target);
+}
+
 /* Memory that is a file: whatever ends the program, the last input is there. */
 static uint8_t *open_input(int *file, const char *target)
 {
-    char name[64];
-    snprintf(name, sizeof name, "fuzz_%s.input", target);
+    char name[NAME_BYTES];
+    name_input(name, target);
     *file = open(name, O_RDWR | O_CREAT, 0666);
     void *memory = MAP_FAILED;
     if (*file >= 0 && ftruncate(*file, INPUT_BYTES) == 0)
         memory = mmap(NULL, INPUT_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED, *file, 0);
     if (memory == MAP_FAILED) exit(fail(name));
     return memory;
+}
+
+/* Nothing was found: the file goes. */
+static void close_input(int file, uint8_t *memory, const char *target)
+{
+    char name[NAME_BYTES];
+    name_input(name, target);
+    munmap(memory, INPUT_BYTES);
+    close(file);
+    remove(name);
 }
 
 static void save(const char *folder, number n, const uint8_t *input, size_t size)
@@ -103,8 +120,7 @@ static void run_random(int target, const plan *by)
         if (by->folder != NULL) save(by->folder, by->seed + n, input, size);
         LLVMFuzzerTestOneInput(input, size);
     }
-    munmap(input, INPUT_BYTES);
-    close(file);
+    close_input(file, input, fuzz_target_names[target]);
     printf("%s: %llu inputs\n", fuzz_target_names[target], n);
     fflush(stdout);
 }

@@ -4,7 +4,7 @@
  *     PROGRAM                       names the targets
  *     PROGRAM TARGET FILE...        runs inputs that are in files, or in files of folders
  *     PROGRAM TARGET -runs=N        so many pseudo-random inputs, from the one of number -seed=N on; the last of
- *                                   them, whatever ended the program, is in fuzz_TARGET.input
+ *                                   them, whatever ends the program, is in fuzz_TARGET.input
  *     PROGRAM TARGET -seconds=N     as many as in that time
  *     ... -save=FOLDER              writes each of them there
  *     PROGRAM all ...               the same with every target

@@ -11,7 +11,7 @@ from support import ROOT
 TOOLS = ROOT / "tools"
 FOLDERS = (
     "edmlift", "data", "model", "reports", "training", "fitting", "export", "evaluation",
-    "experiments", "channels",
+    "experiments", "channels", "fuzzing",
 )  # fmt: skip
 # What each may import besides itself; tools/README.md says the same.
 MAY_IMPORT = {
@@ -25,6 +25,7 @@ MAY_IMPORT = {
     "evaluation": ("edmlift", "data", "model", "reports", "export"),
     "experiments": ("edmlift", "data", "model", "reports", "training", "export", "evaluation"),
     "channels": ("edmlift", "data", "reports"),
+    "fuzzing": ("edmlift", "data", "reports"),
 }
 # Packages that not everyone has; only these may be imported inside a function.
 OPTIONAL = {"torch", "onnx", "onnxruntime", "h5py", "safetensors", "tflite"}

@@ -5,10 +5,10 @@
     tools/fuzz --minutes 240 --update     hours, and the figures into docs/fuzzing.md
     tools/fuzz --list
 
-A target of the library runs guided by coverage, with libFuzzer and sanitizers, for two fifths of its
-time, and on pseudo-random inputs for the rest; a reader in Python with Atheris.  What was found lies
-in build/fuzz/findings, the corpora in build/fuzz/corpus; both are kept from run to run, and figures
-add up as long as the sources stay as they are.  The exit status is 1 if anything was found.
+A target of the library runs guided by coverage, with libFuzzer and sanitizers, for a quarter of
+its time, and on pseudo-random inputs for the rest; a reader in Python with Atheris.  What was found
+lies in build/fuzz/findings, the corpora in build/fuzz/corpus; both are kept from run to run, and
+figures add up as long as the sources stay as they are.  The exit status is 1 if anything was found.
 """
 
 import argparse
@@ -28,7 +28,9 @@ PAGE = DOCS / "fuzzing.md"
 def chosen(names: Sequence[str]) -> list[Target]:
     known = {target.name: target for target in all_targets()}
     if unknown := set(names) - set(known):
-        raise SystemExit(f"fuzz: no target {', '.join(sorted(unknown))}: tools/fuzz --list names them")
+        raise SystemExit(
+            f"fuzz: no target {', '.join(sorted(unknown))}: tools/fuzz --list names them"
+        )
     return [known[name] for name in names] if names else list(known.values())
 
 
@@ -87,8 +89,8 @@ def table_of(targets: Sequence[Target]) -> str:
 def covered(ran: Lines, known: Lines) -> str:
     """A sentence on all of the library."""
     return (
-        f"Together the targets of the library run {len(ran):,} of the {len(known):,} lines of `lib/`, "
-        f"{100 * len(ran) / len(known):.1f} %.\n"
+        f"Together the targets of the library run {len(ran):,} of the {len(known):,} lines of "
+        f"`lib/`, {100 * len(ran) / len(known):.1f} %.\n"
     )
 
 

@@ -14,7 +14,7 @@ from fuzzing.targets import BUILD, OUT, Target, shown, sources_of
 
 LOG = OUT / "log.jsonl"
 SEEDS = 32  # pseudo-random inputs that a corpus begins with
-GUIDED_SHARE = 0.4  # of a target's time
+GUIDED_SHARE = 0.25  # of a target's time
 COVERAGE_SECONDS = 5  # of pseudo-random inputs, besides the corpus
 SLOWEST = 30  # seconds that an input may take
 MEMORY = 1024  # MiB that an input may take; of a reader, Python and its packages included
@@ -36,7 +36,10 @@ class Figures:
 
 
 def hash_of(paths: Sequence[Path]) -> str:
-    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:12]
+    """Of what is compiled: comments of C do not count."""
+    texts = (path.read_text("utf-8") for path in paths)
+    code = "".join(re.sub(r"/\*.*?\*/|\s+", " ", text, flags=re.S) for text in texts)
+    return hashlib.sha256(code.encode()).hexdigest()[:12]
 
 
 def logged(target: Target) -> Figures:
@@ -109,13 +112,13 @@ def run_fast(target: Target, seconds: float, figures: Figures) -> None:
         shutil.copy(last, target.findings / f"fast-{name}")
 
 
-def run_logged(
-    command: Sequence[str], folder: Path, target: Target, kind: str
-) -> tuple[int, str]:
+def run_logged(command: Sequence[str], folder: Path, target: Target, kind: str) -> tuple[int, str]:
     """Exit status and output of a command, which a file gets as well."""
     log = work_of(target) / f"{kind}.log"
     with log.open("wb") as file:
-        status = subprocess.run(command, cwd=folder, stdout=file, stderr=subprocess.STDOUT).returncode
+        status = subprocess.run(
+            command, cwd=folder, stdout=file, stderr=subprocess.STDOUT
+        ).returncode
     return status, log.read_text("utf-8", errors="replace")
 
 
@@ -133,7 +136,9 @@ def coverage_of(target: Target) -> tuple[Lines, Lines]:
     )
     subprocess.run(["llvm-profdata", "merge", "-sparse", raw, "-o", merged], check=True)
     command = ["llvm-cov", "export", "-format=lcov", f"-instr-profile={merged}", program[0]]
-    return read_lcov(subprocess.run(command, capture_output=True, text=True, check=True).stdout, target)
+    return read_lcov(
+        subprocess.run(command, capture_output=True, text=True, check=True).stdout, target
+    )
 
 
 def read_lcov(text: str, target: Target) -> tuple[Lines, Lines]:

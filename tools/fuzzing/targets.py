@@ -8,7 +8,7 @@ from pathlib import Path
 from data.paths import ROOT
 
 FUZZ = ROOT / "tests" / "fuzz"
-READERS = ROOT / "tests" / "python" / "fuzzing"
+READERS = ROOT / "tests" / "python" / "untrusted"
 OUT = ROOT / "build" / "fuzz"
 BUILD = OUT / "build"
 LONGEST = 1024  # bytes of an input of the library; driver.h
@@ -45,6 +45,8 @@ class Target:
         """libFuzzer's, of its inputs."""
         if self.program == "library":
             return [f"-max_len={LONGEST}", "-len_control=0"]
+        if self.program == "readers":
+            return ["-max_len=4096", "-len_control=0"]
         dictionary = [f"-dict={shown(FUZZ / 'stdin.dict')}"] if self.program == "stdin" else []
         return [f"-max_len={LONGEST_FILE}", *dictionary]
 
@@ -54,7 +56,7 @@ class Target:
         return [shown(ROOT / "tests" / "python" / "cases")] if self.program == "stdin" else []
 
     def unguided(self, kind: str) -> list[str]:
-        """The command that runs pseudo-random inputs: a "fast" one or one that counts "coverage"."""
+        """The command that runs pseudo-random inputs, "fast" or counting "coverage"."""
         return [str(BUILD / f"fuzz_{self.program}_{kind}"), self.name]
 
 
@@ -67,18 +69,22 @@ def library_targets() -> list[str]:
     """The names in the tables of tests/fuzz/fuzz.h."""
     text = (FUZZ / "fuzz.h").read_text("utf-8")
     names = []
-    for table, both in re.findall(r"#define FUZZ_TARGETS_OF_(BOTH|ONE)\(X\)((?:.*\\\n)*.*\n)", text):
+    for table, both in re.findall(
+        r"#define FUZZ_TARGETS_OF_(BOTH|ONE)\(X\)((?:.*\\\n)*.*\n)", text
+    ):
         for name in re.findall(r"X\((\w+)\)", both):
             names += [name, f"{name}_q"] if table == "BOTH" else [name]
     return names
 
 
 def reader_targets() -> list[str]:
-    """The names of the tests of tests/python/fuzzing, without test_."""
+    """The names of the tests of tests/python/untrusted, without test_."""
     return [
         name
         for path in sorted(READERS.glob("test_*.py"))
-        for name in re.findall(r"^@fuzzed\(.*?^def test_(\w+)\(", path.read_text("utf-8"), re.M | re.S)
+        for name in re.findall(
+            r"^@fuzzed\(.*?^def test_(\w+)\(", path.read_text("utf-8"), re.M | re.S
+        )
     ]
 
 

@@ -1,4 +1,4 @@
-/* edml_adapt() of any keypoints in any format, the library's and others.
+/* edml_adapt() and edml_adapt_many() of any keypoints in any format, the library's and others.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -103,6 +103,21 @@ static void check_mirror(const edml_keypoint out[EDML_JOINTS], const edml_keypoi
     }
 }
 
+/* Many at once are as many one by one. */
+static void check_many(const edml_keypoint in[KEYPOINTS], const edml_format *format)
+{
+    edml_keypoint out[KEYPOINTS][EDML_JOINTS], alone[EDML_JOINTS];
+    const int count = KEYPOINTS / format->keypoints;
+    memset(out, 0, sizeof out);
+    edml_adapt_many(out[0], in, count, format);
+    for (int n = 0; n < count; n++) {
+        memset(alone, 0, sizeof alone);
+        edml_adapt(alone, in + n * format->keypoints, format);
+        for (int j = 0; j < EDML_JOINTS; j++)
+            REQUIRE(is_same(out[n][j], alone[j]), "one of many is not as alone");
+    }
+}
+
 void FUZZ_TARGET(adapt)(choices *from)
 {
     edml_keypoint in[KEYPOINTS], out[EDML_JOINTS];
@@ -114,6 +129,7 @@ void FUZZ_TARGET(adapt)(choices *from)
     for (int j = 0; j <= EDML_NECK_BASE; j++)
         check_guess(out[j], out[EDML_R_SHOULDER], out[EDML_L_SHOULDER]);
     check_mirror(out, in, format);
+    if (draw_one_in(from, 8)) check_many(in, &format);
 #ifdef EDML_FUZZ_Q
     edml_keypoint watched[EDML_JOINTS];
     checked_tally taken;

@@ -97,7 +97,7 @@ static void check_mirror(const edml_pose *pose, const edml_keypoint in[EDML_JOIN
     if (edml_body_frame(&image, in, 1, model->imputation) != EDML_OK) return;
     for (int j = 0; j < EDML_JOINTS; j++) {
         mirrored[j] = in[edml_mirror_joint[j]];
-        mirrored[j].x = -mirrored[j].x;
+        mirrored[j].x = to_pixels(-from_pixels(mirrored[j].x));
     }
     if (lift_again(&found, mirrored, NULL, model) != EDML_OK) return; /* at a border */
     for (int j = 0; j < EDML_JOINTS; j++) {
