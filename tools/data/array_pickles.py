@@ -7,6 +7,7 @@ the arrays.
 
 import io
 import pickle
+import pickletools
 import re
 from typing import Any
 
@@ -23,7 +24,16 @@ def load_arrays(data: bytes) -> Any:
 
     pickle.UnpicklingError, or whatever a damaged pickle raises: it holds something else
     """
-    return _plain(_Arrays(io.BytesIO(data)).load())
+    _check_memo(data)
+    return _Plain().of(_Arrays(io.BytesIO(data)).load())
+
+
+def _check_memo(data: bytes) -> None:
+    """Refuses numbers of things to be remembered that are beyond how many there can be: the
+    unpickler makes room for as many, gigabytes for a file of ten bytes."""
+    for count, (code, argument, _) in enumerate(pickletools.genops(data)):
+        if code.name in ("PUT", "BINPUT", "LONG_BINPUT") and not 0 <= int(argument) <= count:
+            raise pickle.UnpicklingError(f"remembers thing {argument} of {count}")
 
 
 class _Arrays(pickle.Unpickler):
@@ -59,6 +69,12 @@ class _Array:
     def __init__(self, *_begun: Any):
         self.value: Any = None
 
+    @classmethod
+    def of(cls, value: NDArray[Any]) -> "_Array":
+        made = cls()
+        made.value = value
+        return made
+
     def __setstate__(self, state: tuple[Any, ...]) -> None:
         _version, shape, dtype, is_fortran, data = state
         self.value = _built(data, dtype, shape, "F" if is_fortran else "C")
@@ -77,14 +93,14 @@ def _built(data: Any, dtype: Any, shape: Any, order: str) -> NDArray[Any]:
     return objects.reshape(shape, order=order)  # type: ignore[call-overload,no-any-return]
 
 
-def _from_buffer(data: Any, dtype: Any, shape: Any, order: str) -> NDArray[Any]:
+def _from_buffer(data: Any, dtype: Any, shape: Any, order: str) -> _Array:
     if dtype.known().hasobject:
         raise pickle.UnpicklingError("holds an array of objects without objects")
-    return _built(data, dtype, shape, order)
+    return _Array.of(_built(data, dtype, shape, order))
 
 
 def _scalar(dtype: Any, data: Any) -> Any:
-    return _from_buffer(data, dtype, (1,), "C")[0]
+    return _from_buffer(data, dtype, (1,), "C").value[0]
 
 
 def _encoded(text: str, encoding: str) -> bytes:
@@ -103,18 +119,28 @@ _STAND_INS = {
 }
 
 
-def _plain(value: Any, depth: int = _DEPTH) -> Any:
-    """With arrays in place of what stands for them."""
-    if depth == 0:
-        raise pickle.UnpicklingError("holds things within things within things")
-    if isinstance(value, _Array):
-        value = value.value
-    if isinstance(value, dict):
-        return {key: _plain(part, depth - 1) for key, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(part, depth - 1) for part in value]
-    if isinstance(value, np.ndarray) and value.dtype.hasobject:
-        return _built(
-            [_plain(part, depth - 1) for part in value.ravel()], _Dtype("O8"), value.shape, "C"
-        )
-    return value
+class _Plain:
+    """Things with arrays in place of what stands for them.  What is in several places is made once:
+    a list of a thousand times the same list of a thousand is small in a file."""
+
+    def __init__(self) -> None:
+        self.known: dict[int, Any] = {}
+
+    def of(self, value: Any, depth: int = _DEPTH) -> Any:
+        if depth == 0:
+            raise pickle.UnpicklingError("holds things within things within things")
+        if isinstance(value, _Array):
+            value = value.value
+        if id(value) not in self.known:
+            self.known[id(value)] = self._made(value, depth - 1)
+        return self.known[id(value)]
+
+    def _made(self, value: Any, depth: int) -> Any:
+        if isinstance(value, dict):
+            return {key: self.of(part, depth) for key, part in value.items()}
+        if isinstance(value, list | tuple):
+            return [self.of(part, depth) for part in value]
+        if isinstance(value, np.ndarray) and value.dtype.hasobject:
+            parts = [self.of(part, depth) for part in value.ravel()]
+            return _built(parts, _Dtype("O8"), value.shape, "C")
+        return value

@@ -8,11 +8,8 @@ with NaN raises `MocapError`, which names the file, the subject, the sequence, t
 """
 
 import ast
-import io
 import json
-import pickle
 import re
-import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,10 +19,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from data import cameras
+from data.archives import ArchiveError, check_size, npy_header, one_line, read_members
 from data.array_pickles import load_arrays
 from data.mocap import STATURE_RANGE, MocapError
 from edmlift.joints import INDEX, JOINTS, indices
 
+LARGEST = 2 << 30  # bytes of positions: Human3.6M's are a sixth of that
 MILLIMETRE = 0.001
 Y_UP = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # takes a world with z up to ours
 LEAST_RISE = 0.3  # metres, head over ankles, median: people sit, but not on their heads
@@ -74,9 +73,15 @@ def read_positions(path: Path, layout: Layout) -> Sequences:
     if not isinstance(everything, dict) or not everything:
         raise MocapError(f"{path}: positions_3d is not a dictionary of subjects")
     result: Sequences = {}
+    size = 0
     for subject, sequences in everything.items():
         if not isinstance(sequences, dict):
             raise MocapError(f"{path}: {subject} is not a dictionary of sequences")
+        size += sum(8 * getattr(array, "size", 0) for array in sequences.values())
+        try:  # the same array may be there many times
+            check_size(size, "everything together", LARGEST)
+        except ArchiveError as error:
+            raise MocapError(f"{path}: {error}") from None
         result[subject] = {
             name: _joints(f"{path}: {subject}, '{name}'", array, layout)
             for name, array in sequences.items()
@@ -88,29 +93,19 @@ def read_positions(path: Path, layout: Layout) -> Sequences:
 
 def _positions_3d(path: Path, layout: Layout) -> Any:
     """The object stored under positions_3d."""
+    if not path.exists():
+        raise MocapError(f"{path}: no such file; for {layout.name}, {layout.source}")
     try:
-        with zipfile.ZipFile(path) as archive:
-            data = io.BytesIO(archive.read("positions_3d.npy"))
-        version = np.lib.format.read_magic(data)
-        read_header = {
-            (1, 0): np.lib.format.read_array_header_1_0,
-            (2, 0): np.lib.format.read_array_header_2_0,
-        }[version]
-        shape, _, dtype = read_header(data)
+        members = read_members(path, LARGEST, ["positions_3d.npy"])
+        if not members:
+            raise ValueError("holds no positions_3d, as VideoPose3D's layout has it")
+        data = members["positions_3d.npy"]
+        shape, _, dtype, start = npy_header(data)
         if shape != () or not dtype.hasobject:
             raise ValueError(f"positions_3d is an array {shape} of {dtype}, not a dictionary")
-        return load_arrays(data.read()).item()
-    except FileNotFoundError:
-        raise MocapError(f"{path}: no such file; for {layout.name}, {layout.source}") from None
-    except zipfile.BadZipFile:
-        raise MocapError(f"{path}: not an .npz file") from None
-    except KeyError as error:
-        raise MocapError(f"{path}: not of VideoPose3D's layout ({error.args[0]})") from None
-    # A damaged pickle may raise nearly anything.
-    except (OSError, EOFError, ValueError, TypeError, AttributeError, IndexError) as error:
-        raise MocapError(f"{path}: not readable ({error})") from None
-    except pickle.UnpicklingError as error:
-        raise MocapError(f"{path}: not readable ({error})") from None
+        return load_arrays(data[start:]).item()
+    except Exception as error:  # a damaged archive or pickle may raise nearly anything
+        raise MocapError(f"{path}: not readable ({one_line(error)})") from None
 
 
 def _joints(where: str, array: Any, layout: Layout) -> np.ndarray:

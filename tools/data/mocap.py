@@ -13,7 +13,6 @@ import hashlib
 import math
 import re
 import sys
-import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,9 +21,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from tqdm import tqdm
 
+from data.archives import load_npz, one_line
 from data.cmu import SETS, Trials
 from edmlift.joints import INDEX, JOINTS, indices, mid_hip
 
+LARGEST = 1 << 30  # bytes of the arrays of an .npz: six million poses
 AMC_FPS = 120.0  # CMU's rate; an AMC file does not say
 INCH = 0.0254  # metres; an ASF file's unit is an inch divided by its `length`
 CGSPEED_UNIT = INCH / 0.45  # metres per unit of the well-known BVH conversion of CMU's data
@@ -78,6 +79,10 @@ BVH_LOST = {
 
 # Names of joints in files that were made before: their names today.
 OLDER_NAMES = {"head_top": "head", "neck": "neck_base"}
+
+# What an .npz holds: in words, and the kinds of NumPy's types.
+TYPES = dict.fromkeys(("joints", "subject", "trial", "frame", "action"), ("numbers", "fiu"))
+TYPES |= dict.fromkeys(("joint_names", "action_names", "up", "unit"), ("text", "US"))
 
 STATURE = 1.6  # metres, head to ankle of an adult ...
 STATURE_RANGE = (0.8, 2.6)  # ... and what may still be a person
@@ -685,16 +690,16 @@ def save_motion(motion: Motion, path: Path, fps: float) -> None:
 
 
 def _load_npz(path: Path) -> Motion:
+    if not path.exists():
+        raise MocapError(f"{path}: no such file or folder")
     try:
-        with np.load(path, allow_pickle=False) as file:
-            data = dict(file)
-    except FileNotFoundError:
-        raise MocapError(f"{path}: no such file or folder") from None
-    except (OSError, EOFError, ValueError, TypeError, zipfile.BadZipFile) as error:
-        raise MocapError(f"{path}: not a readable .npz file ({error})") from None
+        data = load_npz(path, LARGEST)
+    except Exception as error:  # a damaged archive makes the libraries raise whatever they like
+        raise MocapError(f"{path}: not a readable .npz file ({one_line(error)})") from None
     for key in ("joints", "subject", "trial", "frame", "joint_names", "up", "unit"):
         if key not in data:
             raise MocapError(f"{path}: key '{key}' is missing")
+    _check_types(path, data)
     _check_names(path, data["joint_names"])
     for key, value in (("up", "y"), ("unit", "m")):
         if str(data[key]) != value:
@@ -710,6 +715,14 @@ def _load_npz(path: Path) -> Motion:
         path.name,
     )
     return _checked(motion, path)
+
+
+def _check_types(path: Path, data: dict[str, np.ndarray]) -> None:
+    """Which arrays must be text, and which numbers."""
+    for key, array in data.items():
+        kinds = TYPES.get(key, ("numbers", array.dtype.kind))
+        if array.dtype.kind not in kinds[1] or (key in ("up", "unit") and array.shape != ()):
+            raise MocapError(f"{path}: {key} is of type {array.dtype}, must be {kinds[0]}")
 
 
 def _check_names(path: Path, names: np.ndarray) -> None:

@@ -12,13 +12,14 @@ from typing import Any
 
 Value = tuple[int, Any, str]  # number of the line where it began, what it is, what is wrong with it
 
+DEPTH = 32  # of arrays and objects within each other: as many as lift_stdin reads
 NOT_JSON = "not a JSON object or array (NaN and Infinity are not JSON)"
 _NOT_UTF_8 = "not in UTF-8"
 _BLANKS = re.compile(r"[ \t\r\n]*")
 _NEXT_LINE = re.compile(r"[^\n]*\n?")
 _NEXT_BRACKET = re.compile(r"^(?=[{\[])", re.MULTILINE)
 _BAD_BYTE = re.compile("[\udc80-\udcff]")  # as errors="surrogateescape" has them
-_CONSTANT = re.compile(r'"(?:[^"\\]|\\.)*"|(-?Infinity|NaN)', re.DOTALL)
+_CONSTANT_OR_BRACKET = re.compile(r'"(?:[^"\\]|\\.)*"|([][{}])|(-?Infinity|NaN)', re.DOTALL)
 
 
 class Twice(dict[str, Any]):
@@ -50,18 +51,45 @@ def read_values(data: bytes) -> Iterator[Value]:
 def _decode(
     decoder: json.JSONDecoder, text: str, at: int
 ) -> tuple[Any, int, tuple[int, str] | None]:
-    """The value that begins at this place, its end, and where and what the fault is."""
+    """The value that begins at this place, its end, and where and what the fault is.
+
+    It is looked for in the rest of the line, and then in more and more of the text.  What is wrong
+    there is wrong if its line is whole: no text, number or word goes on in another line.  So a
+    fault costs no more than what was read up to it.
+    """
     if text[at] not in "{[n":
         return None, at, (at, NOT_JSON)
+    end = _end_of_line(text, at)
+    while True:
+        window = text[at:end]
+        value, size, fault = _decode_window(decoder, window)
+        if fault is None or end == len(text) or window.find("\n", fault[0]) >= 0:
+            break
+        end = min(len(text), at + 8 * (end - at))
+    return value, at + size, None if fault is None else (at + fault[0], fault[1])
+
+
+def _decode_window(
+    decoder: json.JSONDecoder, window: str
+) -> tuple[Any, int, tuple[int, str] | None]:
     try:
-        value, end = decoder.raw_decode(text, at)
+        value, end = decoder.raw_decode(window)
     except json.JSONDecodeError as error:
-        return None, at, (error.pos, NOT_JSON)
+        return None, 0, (error.pos, NOT_JSON)
     except (ValueError, RecursionError):  # of _no_constant(), or nested too deep
-        found = (match for match in _CONSTANT.finditer(text, at) if match[1])
-        return None, at, (next((match.start() for match in found), at), NOT_JSON)
-    wrong = _BAD_BYTE.search(text, at, end)
+        return None, 0, (_place_of_fault(window), NOT_JSON)
+    wrong = _BAD_BYTE.search(window, 0, end)
     return value, end, None if wrong is None else (wrong.start(), _NOT_UTF_8)
+
+
+def _place_of_fault(window: str) -> int:
+    """Where the first constant is, or where things are in DEPTH others."""
+    depth = 0
+    for match in _CONSTANT_OR_BRACKET.finditer(window):
+        depth += {"[": 1, "{": 1, "]": -1, "}": -1}.get(match[1], 0)
+        if match[2] or depth > DEPTH:
+            return match.start()
+    return 0
 
 
 def _resume(text: str, began: int, fault: int) -> int:

@@ -23,12 +23,13 @@ import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
+from data.archives import one_line
 from data.paths import GEN
 from export.calibrate import calibrate, training_inputs
 from export.chain import ExportWarning
 from export.header import replace_file, write_header
 from export.kinds import Kind, read_network
-from export.layers import ExportError, Layer, one_line
+from export.layers import ExportError, Layer
 from export.quantise import WEIGHT_TYPES
 from export.readers import READERS
 from export.settings import read_settings

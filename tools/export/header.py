@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from data.archives import one_line
 from export import quantise
 from export.kinds import FCONN, Kind
-from export.layers import ExportError, Layer, digest, one_line
+from export.layers import ExportError, Layer, digest
 from export.packing import Packed, fnv1a, groups_of, pack
 from export.settings import MISSING, ModelSettings
 from model.constants import CHUNK, GROUP, WEIGHTS_FORMAT

@@ -20,11 +20,6 @@ class Layer(NamedTuple):
     bias: np.ndarray  # float32 [out]
 
 
-def one_line(error: Exception) -> str:
-    """An error's kind and message, without line breaks."""
-    return " ".join(f"{type(error).__name__}: {error}".split())
-
-
 def check_layers(
     layers: Iterable[tuple[Any, Any]],
     first: int = PAIR_COUNT,

@@ -5,16 +5,17 @@ Each format is a function path -> steps in READERS; export/chain.py makes layers
 """
 
 import re
-import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from data import archives
+from data.archives import one_line
 from export.chain import Step, chained, fold
-from export.layers import ExportError, Layer, check_layers, one_line
-from export.limits import check_size, npy_array, read_members
+from export.layers import ExportError, Layer, check_layers
+from export.limits import LARGEST, check_size
 from export.read_keras import read_h5, read_keras
 from export.read_mat import read_mat
 from export.read_onnx import read_onnx
@@ -25,10 +26,7 @@ from model.constants import PAIR_COUNT
 
 def load_npz(path: Path) -> dict[str, np.ndarray]:
     """The arrays of a file."""
-    if not zipfile.is_zipfile(path):
-        raise ExportError("not a readable .npz file: no zip archive")
-    members = read_members(path)
-    return {name.removesuffix(".npy"): npy_array(data) for name, data in members.items()}
+    return archives.load_npz(path, LARGEST)
 
 
 def read_npz(path: Path) -> list[Layer]:
@@ -106,5 +104,7 @@ def read_file(path: Path, readers: Mapping[str, Callable[[Path], Any]]) -> Any:
         return reader(path)
     except ExportError:
         raise
+    except archives.ArchiveError as error:
+        raise ExportError(f"not a readable {path.suffix} file: {error}") from error
     except Exception as error:  # a damaged file makes the libraries raise whatever they like
         raise ExportError(f"not a readable {path.suffix} file: {one_line(error)}") from error

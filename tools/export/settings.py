@@ -2,14 +2,15 @@
 
 import dataclasses
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from data.archives import one_line
 from edmlift.joints import JOINTS
-from export.layers import ExportError, one_line
+from export.layers import ExportError
 from export.limits import LARGEST_MANIFEST, check_size
 from model.constants import MAX_IMPUTED, OBJECTIVES
 from model.manifest import NEAREST, NO_FUSION
@@ -56,12 +57,14 @@ class ModelSettings:
     def __post_init__(self) -> None:
         joints = is_integer(self.fewest_joints, FEWEST_TO_ORIENT, len(JOINTS))
         check_setting("fewest_joints", joints, f"{FEWEST_TO_ORIENT} to {len(JOINTS)}")
-        check_setting("objective", self.objective in OBJECTIVES, f"one of {', '.join(OBJECTIVES)}")
+        check_setting(
+            "objective", is_one_of(self.objective, OBJECTIVES), f"one of {', '.join(OBJECTIVES)}"
+        )
         check_setting("refine_steps", is_integer(self.refine_steps, 0, 255), "0 to 255")
         mirror = isinstance(self.mirror, list | tuple) and len(self.mirror) == 5
         mirror = mirror and all(map(is_number, self.mirror))
         check_setting("mirror", mirror, "five numbers between -128 and 128")
-        check_setting("missing", self.missing in MISSING, f"one of {', '.join(MISSING)}")
+        check_setting("missing", is_one_of(self.missing, MISSING), f"one of {', '.join(MISSING)}")
         fewest = FEWEST_TO_ORIENT if self.missing == "zero" else len(JOINTS) - MAX_IMPUTED
         check_setting("fewest_joints", self.fewest_joints >= fewest, f"{fewest} or more")
         check_setting("fusion", is_fusion(self.fusion), FUSION_RANGES)
@@ -82,6 +85,11 @@ def check_setting(name: str, good: bool, want: str) -> None:
     """Raises ExportError unless the setting is good."""
     if not good:
         raise ExportError(f"manifest: {name} must be {want}")
+
+
+def is_one_of(value: object, names: Container[str]) -> bool:
+    """A text, and one of the names."""
+    return isinstance(value, str) and value in names
 
 
 def is_integer(value: object, low: int, high: int) -> bool:

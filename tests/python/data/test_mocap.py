@@ -566,6 +566,10 @@ def with_nan() -> np.ndarray:
         ({"joints": standing(3)[:, :13]}, r"shape \(3, 13, 3\)"),
         ({"frame": np.arange(2), "action": np.zeros(3)}, "frame has shape"),
         ({"trial": None}, "key 'trial' is missing"),
+        ({"joints": standing(3).astype(str)}, "joints is of type <U32, must be numbers"),
+        ({"subject": np.zeros(3, "M8[s]")}, r"subject is of type datetime64\[s\], must be numbers"),
+        ({"action_names": np.arange(3)}, "action_names is of type int64, must be text"),
+        ({"unit": np.array(["m"])}, "unit is of type <U1, must be text"),
         (
             {key: np.zeros(0, int) for key in ("subject", "trial", "frame")}
             | {"joints": np.zeros((0, 14, 3))},
@@ -591,6 +595,14 @@ def test_load_unreadable_npz(tmp_path: Path):
         mocap.load_motion(file)
     with pytest.raises(MocapError, match=r"none\.npz: no such file"):
         mocap.load_motion(tmp_path / "none.npz")
+
+
+def test_load_npz_checks_the_size_before_it_takes_memory(tmp_path: Path, monkeypatch):
+    file = npz(tmp_path, joints=np.zeros((50_000, 14, 3)))
+    monkeypatch.setattr(mocap, "LARGEST", 10 << 20)
+    monkeypatch.setattr("zipfile.ZipFile.open", None)  # nothing is unpacked
+    with pytest.raises(MocapError, match=r"unpacked archive takes 16 MB, at most 10 are read"):
+        mocap.load_motion(file)
 
 
 # CMU's own data, where a folder of the project's layout is found

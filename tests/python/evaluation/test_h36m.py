@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from support import run_tool
 
+from data.array_pickles import load_arrays
 from data.h36m import H36M, HUMANEVA, read_cameras, read_positions
 from data.mocap import MocapError, load_motion
 from data.views import Column
@@ -288,6 +289,34 @@ def test_pointers_of_a_pickle_are_not_followed(sequence, tmp_path):
         read_positions(path, H36M)
 
 
+@pytest.mark.parametrize(
+    "payload", [b"]p99999999999\n.", b"\x80\x02]r\xff\xff\xff\x7f.", b"]q\x02.", b"]p-1\n."]
+)
+def test_what_a_pickle_remembers_takes_no_memory(payload, tmp_path):
+    """Room for 99,999,999,999 things that were seen before, of which there is one."""
+    path = pickled(payload, tmp_path / "evil.npz")
+    with pytest.raises(MocapError, match="not readable .* remembers thing -?[0-9]+ of [12]"):
+        read_positions(path, H36M)
+
+
+def test_a_list_that_is_in_many_places_is_read_once():
+    """A thousand times the same list of a thousand times the same: 10^12 numbers in a few bytes."""
+    thing = [1.0]
+    for _ in range(3):
+        thing = [thing] * 10_000
+    found = load_arrays(pickle.dumps(thing))
+    assert len(found) == 10_000 and found[0] is found[-1] and found[0][0] == [[1.0]] * 10_000
+
+
+def test_an_array_that_is_in_many_places_takes_the_memory_of_many(tmp_path):
+    outer = np.empty((), object)
+    array = np.zeros((1000, 32, 3), np.float32)
+    outer[()] = {"S1": {f"Walking {n}": array for n in range(3000)}}
+    path = pickled(pickle.dumps(outer, protocol=4), tmp_path / "same.npz")
+    with pytest.raises(MocapError, match="everything together takes 2197 MB, at most 2048"):
+        read_positions(path, H36M)
+
+
 def test_other_files_are_refused(tmp_path):
     path = tmp_path / "bad.npz"
     with pytest.raises(MocapError, match="no such file; for Human3.6M, register at the Human3.6M"):
@@ -295,10 +324,10 @@ def test_other_files_are_refused(tmp_path):
     with pytest.raises(MocapError, match="no such file; for HumanEva-I, register at the HumanEva"):
         read_positions(path, HUMANEVA)
     path.write_text("no archive")
-    with pytest.raises(MocapError, match="not an .npz file"):
+    with pytest.raises(MocapError, match="not readable"):
         read_positions(path, H36M)
     np.savez(path, joints=np.zeros(3))
-    with pytest.raises(MocapError, match="not of VideoPose3D's layout"):
+    with pytest.raises(MocapError, match="as VideoPose3D's layout has it"):
         read_positions(path, H36M)
 
 

@@ -368,6 +368,8 @@ def test_mat_of_cells_that_hold_each_other(tmp_path: Path) -> None:
         (json.dumps(MANIFEST)[:-1] + ', "mds_share": 1e999}', "mds_share must be 0 to 1"),
         (json.dumps(MANIFEST)[:-1] + ', "mds_share": NaN}', "mds_share must be 0 to 1"),
         (json.dumps(MANIFEST)[:-1] + ', "refine_steps": ' + "9" * 5000 + "}", "manifest"),
+        (json.dumps(MANIFEST)[:-1] + ', "objective": []}', "objective must be one of none,"),
+        (json.dumps(MANIFEST)[:-1] + ', "missing": {}}', "missing must be one of zero, imputed"),
         ("\0" * 1000, "manifest settings.json: "),
     ],
 )

@@ -10,6 +10,7 @@ import pytest
 from package_support import ROOT, WALK, need_library
 
 import edmlift
+from edmlift import json_values
 from edmlift.joints import JOINTS
 from edmlift.keypoint_files import Lines, read_lines, read_objects
 from edmlift.keypoint_sets import KEYPOINT_NAMES
@@ -647,3 +648,29 @@ def test_3000_files_of_changed_bytes_are_read_or_refused():
         assert list(lines.numbers) == sorted(lines.numbers)
         bad += bool(lines.problems)
     assert 300 < bad < 3000
+
+
+@pytest.mark.parametrize(
+    "bad", ['{"a": NaN}', "[" * 5000, '{"a" 1}', '["text', "[1,", '{"a":\n1 2}']
+)
+def test_a_fault_costs_no_more_than_its_line(bad: str, monkeypatch: pytest.MonkeyPatch):
+    """Before, each was looked for in all of the text that follows."""
+    looked_at = []
+
+    def decode_window(decoder: json.JSONDecoder, window: str) -> tuple:
+        looked_at.append(len(window))
+        return original(decoder, window)
+
+    original = json_values._decode_window
+    monkeypatch.setattr(json_values, "_decode_window", decode_window)
+    text = f"{bad}\n" * 500
+    found = list(json_values.read_values(text.encode()))
+    assert found and all(problem for _, _, problem in found[:-1])
+    assert sum(looked_at) < 20 * len(text)
+
+
+def test_values_that_are_nested_deeply_are_one_problem_each():
+    text = '{"keypoints":' * 5000 + "\n" + "[1]\n"
+    (number, value, problem), after = json_values.read_values(text.encode())
+    assert (number, value) == (1, None) and problem == json_values.NOT_JSON
+    assert after == (2, [1], "")
