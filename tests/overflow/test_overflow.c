@@ -394,6 +394,35 @@ static void placements_of_points_nearly_on_a_line(void)
     TEST_ASSERT_TRUE(placed > 2000);
 }
 
+/* Fourteen points of which one coordinate of a step did overflow, before it was limited. */
+static void a_placement_that_did_overflow(void)
+{
+    static const edml_pose_q points = {{{-40808, -3370, 7938},    {55244, 4487, -10765},
+                                        {-28049, -2210, 5489},    {-29052, -2371, 5627},
+                                        {19056, 1530, -3690},     {68215, 5567, -13280},
+                                        {52760, 4330, -10213},    {105413, 8606, -20485},
+                                        {-81057, -6620, 15752},   {148198, 12080, -28874},
+                                        {-39765, -3286, 7771},    {45143, 3690, -8755},
+                                        {46069, 3787, -8903},     {-14608, -1162, 2861}},
+                                       0,
+                                       0};
+    static const edml_keypoint_q image[EDML_JOINTS] = {
+        {20815805, 13173981, 6215},  {20904454, 13950598, 32767}, {20427602, 14248011, 32767},
+        {19983334, 14837785, 19578}, {20476043, 15535778, 32767}, {21496126, 14119190, 162},
+        {21659585, 14989995, 32767}, {21854358, 15426979, 4379},  {20685668, 15691430, 32767},
+        {20541285, 17128764, 166},   {20500717, 18291103, 20187}, {21323905, 15588899, 32767},
+        {21360544, 17016730, 32767}, {21527946, 18285539, 32767}};
+    const edml_camera by = {6093584 / 65536.0F, 6093584 / 65536.0F, 320, 240};
+    edml_pose pose;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        pose.joint[j].x = (float)points.joint[j].x / 65536;
+        pose.joint[j].y = (float)points.joint[j].y / 65536;
+        pose.joint[j].z = (float)points.joint[j].z / 65536;
+    }
+    memcpy(in, image, sizeof in);
+    place_both(&pose, &by);
+}
+
 static void placements_with_unknown_focal_length(void)
 {
     rng r = rng_seed(90);
@@ -714,6 +743,7 @@ int main(void)
     RUN_TEST(placements);
     RUN_TEST(placements_of_noise);
     RUN_TEST(placements_of_points_nearly_on_a_line);
+    RUN_TEST(a_placement_that_did_overflow);
     RUN_TEST(placements_with_unknown_focal_length);
     RUN_TEST(lifts_with_a_camera);
     RUN_TEST(searches_for_a_focal_length);

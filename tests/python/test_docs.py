@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-TOP = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")]
+TOP = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")]
 DOCS = sorted((ROOT / "docs").glob("*.md"))
 OTHERS = [*sorted((ROOT / "examples").rglob("*.md")), *sorted((ROOT / "tools").glob("*.md"))]
 PAGES = TOP + DOCS + OTHERS

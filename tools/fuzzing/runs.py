@@ -14,8 +14,8 @@ from fuzzing.targets import BUILD, OUT, Target, shown, sources_of
 
 LOG = OUT / "log.jsonl"
 SEEDS = 32  # pseudo-random inputs that a corpus begins with
-GUIDED_SHARE = 0.25  # of a target's time
-COVERAGE_SECONDS = 5  # of pseudo-random inputs, besides the corpus
+GUIDED_SHARE = 0.25  # of a target's time, unless another is asked for
+COVERAGE_SECONDS = 2  # of pseudo-random inputs, besides the corpus
 SLOWEST = 30  # seconds that an input may take
 MEMORY = 1024  # MiB that an input may take; of a reader, Python and its packages included
 READERS_MEMORY = 2048
@@ -38,7 +38,7 @@ class Figures:
 def hash_of(paths: Sequence[Path]) -> str:
     """Of what is compiled: comments of C do not count."""
     texts = (path.read_text("utf-8") for path in paths)
-    code = "".join(re.sub(r"/\*.*?\*/|\s+", " ", text, flags=re.S) for text in texts)
+    code = "".join(re.sub(r"(/\*.*?\*/|\s)+", " ", text, flags=re.S) for text in texts)
     return hashlib.sha256(code.encode()).hexdigest()[:12]
 
 
@@ -55,7 +55,7 @@ def logged(target: Target) -> Figures:
     return total
 
 
-def fuzz(target: Target, seconds: float) -> Figures:
+def fuzz(target: Target, seconds: float, guided_share: float = GUIDED_SHARE) -> Figures:
     """Runs a target for about so long, and notes it."""
     figures = Figures(target.name, hash_of(sources_of(target)))
     for folder in (target.corpus, target.findings, work_of(target)):
@@ -65,8 +65,10 @@ def fuzz(target: Target, seconds: float) -> Figures:
         run_guided(target, seconds, figures)
     else:
         save_seeds(target)
-        run_guided(target, GUIDED_SHARE * seconds, figures)
-        run_fast(target, (1 - GUIDED_SHARE) * seconds, figures)
+        if guided_share > 0:
+            run_guided(target, guided_share * seconds, figures)
+        if guided_share < 1:
+            run_fast(target, (1 - guided_share) * seconds, figures)
     figures.findings = len(set(target.findings.iterdir()) - before)
     with LOG.open("a", encoding="utf-8") as file:
         file.write(json.dumps(asdict(figures)) + "\n")
@@ -81,7 +83,7 @@ def work_of(target: Target) -> Path:
 def save_seeds(target: Target) -> None:
     if not any(target.corpus.iterdir()):
         options = [f"-runs={SEEDS}", f"-save={target.corpus}"]
-        subprocess.run([*target.unguided("fast"), *options], cwd=work_of(target), check=False)
+        run_logged([*target.unguided("fast"), *options], work_of(target), target, "seeds")
 
 
 def run_guided(target: Target, seconds: float, figures: Figures) -> None:
