@@ -4,9 +4,12 @@ import io
 import json
 import pickle
 import zipfile
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from fuzzed import check_message, file_of, files, folder, fuzzed
 from hypothesis import strategies as st
 
@@ -119,6 +122,41 @@ def test_bvh(data: bytes) -> None:
             mocap.clean(trial, mocap.Cleaning())
         except mocap.MocapError as error:
             check_message(error)
+
+
+def refusal(read: Callable[[Path], Any], text: str, name: str) -> str:
+    with file_of(text.encode(), name) as path, pytest.raises(mocap.MocapError) as error:
+        read(path)
+    return str(error.value)
+
+
+def test_a_chain_of_thousands_of_joints() -> None:
+    """Deeper than Python's recursion."""
+    head, _, rest = bvh_text().partition("JOINT")
+    joint = "JOINT a{}\n{{\nOFFSET 0 9 1\nCHANNELS 3 Zrotation Yrotation Xrotation\n"
+    ends = "End Site\n{\nOFFSET 0 9 1\n}\n" + "}\n" * 5001
+    text = f"{head}{''.join(map(joint.format, range(5000)))}{ends}{rest[rest.index('MOTION') :]}"
+    assert "no joint for head" in refusal(mocap.read_bvh, text, "07_03.bvh")
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "message"),
+    [
+        ("Frames: 2", "Frames: 9999999999999", "frames announced, 2 found"),
+        ("CHANNELS 3", "CHANNELS 999999999", "CHANNELS 999999999, but 3 names"),
+    ],
+)
+def test_numbers_that_announce_more_than_there_is(before: str, after: str, message: str) -> None:
+    text = bvh_text().replace(before, after)
+    assert message in refusal(mocap.read_bvh, text, "07_04.bvh")
+
+
+def test_bones_in_a_ring() -> None:
+    text, _, bones = asf_text().partition("root ")
+    names = bones.split()[:-1]
+    ring = "".join(f"{a} {b}\n" for a, b in zip(names, names[1:] + names[:1], strict=True))
+    text = f"{text}root {names[0]}\n{ring}end\n"
+    assert "has two parents" in refusal(mocap.read_asf, text, "07.asf")
 
 
 # ---- .npz ----------------------------------------------------------------------------------------
