@@ -4,8 +4,10 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 from fuzzed import CASES, check_message, file_of, files, fuzzed, run_quietly
 from hypothesis import strategies as st
+from support import need_library
 
 import edmlift
 from edmlift import cli
@@ -16,6 +18,11 @@ NAMES = ["keypoints", "people", "instances", "landmarks", "annotations", "keypoi
 NAMES += ["status", "joints", "id", "track_id", "frame", "image_id", "x", "y", "visible", "score"]
 FORMAT = st.sampled_from([None, None, "coco17", "body25", "blazepose33", "movenet17"])
 POSE = [[500 + 10 * n, 300 + 7 * n * n % 90, 0.9] for n in range(33)]
+
+
+@pytest.fixture(autouse=True)
+def _library() -> None:
+    need_library()
 
 
 def small(name: str) -> bytes:
