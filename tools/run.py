@@ -12,7 +12,7 @@ from pathlib import Path
 
 TOOLS = Path(__file__).resolve().parent
 # The others have tools of their own.
-FOLDERS = ("data", "fitting", "reports", "experiments", "channels", "fuzzing")
+FOLDERS = ("data", "fitting", "reports", "experiments", "channels", "fuzzing", "mutation")
 
 
 def programs() -> dict[str, str]:

@@ -1,0 +1,1 @@
+"""Mutation testing of lib/: would the C tests see a small fault?"""

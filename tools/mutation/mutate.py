@@ -1,0 +1,128 @@
+"""Would the C tests see a small fault in lib/?  Makes faults and runs the tests on them.
+
+    mutate                      a sample of lib/, and a denser one of each part that docs/mutation.md names
+    mutate --file lib/lift/mds.h        all mutants of a file (or of the files that begin so)
+    mutate --update             writes the tables of docs/mutation.md
+    mutate --list               prints mutants, and runs none
+
+The mutants are compiled at once into one build of the tests, build/mutation, and chosen at run time.
+A mutant is killed if any of the tests that reach it fails, crashes, or takes five times as long.
+"""
+
+import argparse
+import json
+import os
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+from tqdm import tqdm
+
+from data.paths import DOCS
+from mutation import build
+from mutation.results import PARTS, Results, argued, line_of, same_code, tables
+from mutation.runs import Suite
+from reports import markdown
+from reports.targets import ToolError
+
+PAGE = DOCS / "mutation.md"
+
+
+def choose(args: argparse.Namespace) -> tuple[build.Numbered, frozenset[int], dict[int, str]]:
+    """The mutants to run, which of them are the sample of all, and reasons of the argued ones."""
+    everything = build.all_mutants()
+    reasons = argued(everything)
+    build.make_tree()
+    build.write_texts(everything)
+    compiled = build.compiled_numbers()
+    mutants = {n: found for n, found in everything.items() if n in compiled}
+    if args.file:
+        chosen = {n: m for n, m in mutants.items() if m[0].startswith(tuple(args.file))}
+        if not chosen:
+            raise ToolError(f"no mutants in {', '.join(args.file)}: name it as in lib/lift/mds.h")
+        return build.sample(chosen, args.sample or len(chosen), args.seed), frozenset(), reasons
+    sampled = build.sample(mutants, args.sample or 1000, args.seed)
+    chosen = dict(sampled)
+    for start in PARTS.values():
+        part = {n: m for n, m in mutants.items() if m[0].startswith(start)}
+        chosen |= build.sample(part, args.dense, args.seed)
+    return dict(sorted(chosen.items())), frozenset(sampled), reasons
+
+
+def run_all(suite: Suite, mutants: build.Numbered) -> dict[int, str]:
+    """The test that kills it, for each mutant that one kills."""
+    numbers = list(mutants)
+    places = [f"{file}: {mutant.function}" for file, mutant in mutants.values()]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = pool.map(suite.killer, numbers, places)
+        progress = tqdm(found, total=len(numbers), unit="mutant", desc="Running the tests")
+        return {n: killer for n, killer in zip(numbers, progress, strict=True) if killer}
+
+
+def mutate(args: argparse.Namespace) -> Results:
+    mutants, sampled, reasons = choose(args)
+    alone = build.Alone()
+    build.write_texts(mutants)
+    mutants = build.drop_what_does_not_compile(mutants, alone)
+    build.write_texts(mutants)
+    print(f"{len(mutants)} mutants; building the tests", file=sys.stderr)
+    suite = Suite(build.build_tests(max(mutants)))
+    killers = run_all(suite, {n: m for n, m in mutants.items() if n not in reasons})
+    equivalent = {n: reason for n, reason in reasons.items() if n in mutants}
+    left = [n for n in mutants if n not in killers and n not in equivalent]
+    for number in tqdm(left, unit="mutant", desc="Comparing object code"):
+        if same_code(*mutants[number], alone):
+            equivalent[number] = "the compiler makes the same code of it"
+    return Results(mutants, sampled & mutants.keys(), killers, equivalent)
+
+
+def write_json(results: Results) -> None:
+    """What became of each mutant, for whoever reads them one by one."""
+    sources = build.texts()
+    entries = [
+        {"number": n, "file": file, "line": m.line, "function": m.function, "text": line_of(file, m, sources),
+         "operator": m.operator, "change": m.change, "killer": results.killers.get(n),
+         "equivalent": results.equivalent.get(n)}
+        for n, (file, m) in results.mutants.items()
+    ]  # fmt: skip
+    (build.WORK / "results.json").write_text(json.dumps(entries, indent=1) + "\n", "utf-8")
+
+
+def parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="mutate", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--file", action="append", help="of these files alone; may be repeated")
+    parser.add_argument("--sample", type=int, help="so many mutants of all lib/ (1000), or of the files")
+    parser.add_argument("--dense", type=int, default=250, help="so many more of each part (250)")
+    parser.add_argument("--seed", type=int, default=1, help="of the samples (1)")
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--update", action="store_true", help="write the tables of docs/mutation.md")
+    what.add_argument("--list", action="store_true", help="print the mutants, and run none")
+    args = parser.parse_args()
+    if args.update and args.file:
+        parser.error("--update is of the samples, not of some files")
+    return args
+
+
+def main() -> int:
+    args = parse()
+    try:
+        if args.list:
+            for number, (file, mutant) in choose(args)[0].items():
+                print(f"{number} {file}:{mutant.line} {mutant.operator}: {mutant.change}")
+            return 0
+        results = mutate(args)
+        write_json(results)
+        written = tables(results)
+        print("\n".join(written[name] for name in written if args.file is None or "scores" not in name))
+        if args.update:
+            for name, text in written.items():
+                markdown.write(PAGE, name, text)
+    except (ToolError, OSError, ValueError) as error:
+        print(f"mutate: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
