@@ -165,11 +165,13 @@
 #define BODY_TOLERANCE ROUNDING
 #define BODY_COSINE 0.999999    /* a bone of 0.1 m, and two joints to 1e-7 */
 #define QUALITY_TOLERANCE 1e-4F /* a misfit of 1e-4 m by rounding, times 24 a metre */
+#define SCORE_TOLERANCE 1e-3F   /* log-odds */
 #define STAND_TOLERANCE 1e-5F
 #else /* joints, lengths and upwards rounded to 2^-16, in and out */
 #define BODY_TOLERANCE 1e-4F
 #define BODY_COSINE 0.999
 #define QUALITY_TOLERANCE 1e-3F
+#define SCORE_TOLERANCE 5e-3F /* of a quality of 0.98, rounded to 2^-16 */
 #define STAND_TOLERANCE 1e-4F
 #endif
 

@@ -305,6 +305,117 @@ static void each_missing_joint_lowers_quality_alike(void)
     TEST_ASSERT_TRUE(quality_of() < quality && quality_of() > 0);
 }
 
+/* A body of the lengths given, metres, seen from the front unless `turned`; no bone points up or down alone. */
+static void body_of(const float length[EDML_BONES], const rotation3 *turned)
+{
+    static const edml_point along[EDML_BONES] = {
+        {0, -1, 0},   {-1, 0, 0},     {-0.6F, 0.8F, 0}, {0, 1, 0},       {1, 0, 0}, {0.6F, 0.8F, 0}, {0, 1, 0},
+        {-0.28F, 0.96F, 0}, {-0.6F, 0.8F, 0}, {0, 1, 0}, {0.28F, 0.96F, 0}, {0.6F, 0.8F, 0}, {0, 1, 0},
+    };
+    edml_point x[EDML_JOINTS] = {{0, 0, 0}};
+    for (int n = 0; n < EDML_BONES; n++) {
+        const edml_point from = x[edml_bones[n].from];
+        const edml_point to = {from.x + length[n] * along[n].x, from.y + length[n] * along[n].y, 0};
+        x[edml_bones[n].to] = to;
+    }
+    if (turned != NULL) rotate_points(x, *turned, x);
+    lift_of(x);
+}
+
+static const float usual_bones[EDML_BONES] = {0.29F,  0.195F, 0.26F,  0.26F,  0.195F, 0.26F, 0.26F,
+                                              0.455F, 0.405F, 0.42F, 0.455F, 0.405F, 0.42F};
+
+/* What the quality is the sigmoid of, (1 + s / sqrt(1 + s^2)) / 2. */
+static double score_of(void)
+{
+    const double q = 2 * (double)quality_of() - 1;
+    return q / sqrt(1 - q * q);
+}
+
+static void quality_costs_what_the_fit_says(void)
+{
+    body_of(usual_bones, NULL);
+    pose.misfit = 0;
+    TEST_ASSERT_FLOAT_WITHIN(SCORE_TOLERANCE, 2.813F, (float)score_of());
+    pose.misfit = 0.1F;
+    TEST_ASSERT_FLOAT_WITHIN(SCORE_TOLERANCE, 2.813F - 2.0774F, (float)score_of());
+    pose.seen = ALL_SEEN & ~(1 << EDML_HEAD | 1 << EDML_L_KNEE);
+    TEST_ASSERT_FLOAT_WITHIN(SCORE_TOLERANCE, 2.813F - 2.0774F - 2 * 0.454F, (float)score_of());
+}
+
+static void misfits_count_up_to_half_a_metre(void)
+{
+    float quality[4];
+    for (int n = 0; n < 4; n++) {
+        body_of(usual_bones, NULL);
+        pose.misfit = 0.3F + 0.1F * (float)n;
+        quality[n] = quality_of();
+    }
+    TEST_ASSERT_TRUE(quality[0] > quality[1] && quality[1] > quality[2]);
+    TEST_ASSERT_TRUE(quality[2] == quality[3]);
+}
+
+/* Each bone alike, too short or too long; a centimetre within the range costs nothing. */
+static void a_bone_out_of_the_range_costs_by_the_metre(void)
+{
+    body_of(usual_bones, NULL);
+    const float usual = quality_of();
+    for (int n = 0; n < EDML_BONES; n++) {
+        float bones[EDML_BONES];
+        double score[4];
+        memcpy(bones, usual_bones, sizeof bones);
+        bones[n] = usual_bones[n] + 0.01F;
+        body_of(bones, NULL);
+        TEST_ASSERT_FLOAT_WITHIN(ROUNDING, usual, quality_of());
+        for (int k = 0; k < 4; k++) {
+            static const float length[] = {0.04F, 0.06F, 0.6F, 0.65F};
+            bones[n] = length[k];
+            body_of(bones, NULL);
+            score[k] = score_of();
+            TEST_ASSERT_TRUE(quality_of() < usual);
+        }
+        TEST_ASSERT_FLOAT_WITHIN(SCORE_TOLERANCE, 7.477F * 0.02F, (float)(score[1] - score[0]));
+        TEST_ASSERT_FLOAT_WITHIN(SCORE_TOLERANCE, 7.477F * 0.05F, (float)(score[2] - score[3]));
+    }
+}
+
+static void bones_count_up_to_four_metres(void)
+{
+    static const float each[] = {0.6F, 0.66F, 0.69F, 0.71F};
+    float quality[4];
+    for (int n = 0; n < 4; n++) { /* 2.9 m too long in all, 3.6, 4.04, 4.3 */
+        float bones[EDML_BONES];
+        for (int b = 0; b < EDML_BONES; b++) bones[b] = each[n];
+        body_of(bones, NULL);
+        quality[n] = quality_of();
+    }
+    TEST_ASSERT_TRUE(quality[0] > quality[1] && quality[1] > quality[2]);
+    TEST_ASSERT_TRUE(quality[2] == quality[3]);
+}
+
+/* By the share of depth of the line from right to left, through the middles of shoulder and hip. */
+static void the_view_from_the_side_gains_its_share_of_depth(void)
+{
+    rng r = rng_seed(139);
+    for (int n = 0; n < 50; n++) {
+        const rotation3 by = random_rotation(&r);
+        body_of(usual_bones, &by);
+        pose.misfit = 0;
+        pose.joint[EDML_L_HIP].z += 0.1F; /* the two lines differ */
+        pose.joint[EDML_L_KNEE].z += 0.1F;
+        pose.joint[EDML_L_ANKLE].z += 0.1F;
+        const edml_point *x = pose.joint;
+        edml_point line = {x[EDML_L_SHOULDER].x + x[EDML_L_HIP].x - x[EDML_R_SHOULDER].x - x[EDML_R_HIP].x,
+                           x[EDML_L_SHOULDER].y + x[EDML_L_HIP].y - x[EDML_R_SHOULDER].y - x[EDML_R_HIP].y,
+                           x[EDML_L_SHOULDER].z + x[EDML_L_HIP].z - x[EDML_R_SHOULDER].z - x[EDML_R_HIP].z};
+        const double length = distance_between(line, (edml_point){0, 0, 0});
+        const double trunk = length_of(&pose, 10), too_long = trunk > 0.52 ? trunk - 0.52 : 0;
+        const double too_short = trunk < 0.39 ? 0.39 - trunk : 0;
+        const double expected = 2.813 + 0.781 * fabs((double)line.z) / length - 7.477 * (too_long + too_short);
+        TEST_ASSERT_FLOAT_WITHIN(SCORE_TOLERANCE, (float)expected, (float)score_of());
+    }
+}
+
 static void check_no_quality(edml_status status)
 {
     float quality = 77;
@@ -507,6 +618,11 @@ int main(void)
     RUN_TEST(the_more_from_the_side_the_higher_the_quality);
     RUN_TEST(joints_anywhere_have_hardly_any_quality);
     RUN_TEST(each_missing_joint_lowers_quality_alike);
+    RUN_TEST(quality_costs_what_the_fit_says);
+    RUN_TEST(misfits_count_up_to_half_a_metre);
+    RUN_TEST(a_bone_out_of_the_range_costs_by_the_metre);
+    RUN_TEST(bones_count_up_to_four_metres);
+    RUN_TEST(the_view_from_the_side_gains_its_share_of_depth);
     RUN_TEST(what_no_lift_returns_has_no_quality);
     RUN_TEST(a_level_camera_sees_x_to_the_right_and_z_towards_itself);
     RUN_TEST(any_upwards_will_do);
