@@ -163,7 +163,8 @@ class _Texts:
         if re.search(r"[.pP]", number) or number.endswith("F"):
             yield from self._smaller(node)
             return
-        yield self._mutant("constant", node, f"{number} + 1")
+        if number != "1" or node.parent is None or node.parent.type != "return_statement":
+            yield self._mutant("constant", node, f"{number} + 1")  # 2 is as true as 1
         if number.strip("uUlL") != "0":
             yield self._mutant("constant", node, f"{number} - 1")
 
