@@ -107,6 +107,113 @@ static void one_bad_pose_does_not_decide(void)
     TEST_ASSERT_FLOAT_WITHIN(0.1F, 0, logf(found() / before));
 }
 
+#ifndef EDML_TEST_Q24 /* whose placements round reprojections to 2^-16 */
+/* Errors of the placements with each focal length over the size of the body; an eighth where there is none, or
+ * where it is larger. */
+static void errors_of(double error[EDML_FOCAL_LENGTHS])
+{
+    double x = 0, y = 0, size = 0, count = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) count += in[j].c > 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        if (!(in[j].c > 0)) continue;
+        x += (double)in[j].x / count;
+        y += (double)in[j].y / count;
+    }
+    for (int j = 0; j < EDML_JOINTS; j++)
+        if (in[j].c > 0) size += (fabs((double)in[j].x - x) + fabs((double)in[j].y - y)) / count;
+    for (int n = 0; n < EDML_FOCAL_LENGTHS; n++) {
+        edml_placement placed;
+        const float f = 800 * 0.5F * powf(8, (float)n / 11);
+        const edml_camera tried = {f, f, 500, 400};
+        error[n] = 0.125;
+        if (edml_place(&placed, &pose, in, &tried, &work, sizeof work) == EDML_OK)
+            error[n] = fmin(0.125, (double)placed.reprojection / size);
+    }
+}
+
+/* A pose's misfit is 3000 times its squared error beyond the least one, 4 at most; of poses it is the mean. */
+static void a_misfit_is_the_mean_of_squared_errors(void)
+{
+    rng r = rng_seed(226);
+    int most = 0, beyond = 0;
+    for (int n = 0; n < 12; n++) {
+        double sum[EDML_FOCAL_LENGTHS] = {0};
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_focal_start(&focal, 1000, 800));
+        for (int k = 1; k <= 5; k++) {
+            double error[EDML_FOCAL_LENGTHS], least = 0.125;
+            someone(&r, 500.0F + 100 * (float)n, n % 3 == 0 ? 1.7F : 4, n % 2 ? 0.1F : 0.01F);
+            if (n % 4 == 3) in[EDML_HEAD].c = in[EDML_L_ANKLE].c = 0;
+            if (n == 7 || n == 8) in[EDML_HEAD].x += 500; /* whatever the focal length */
+            if (edml_focal_add(&focal, &pose, in, &work, sizeof work) != EDML_OK) {
+                k--;
+                continue;
+            }
+            errors_of(error);
+            for (int f = 0; f < EDML_FOCAL_LENGTHS; f++) least = fmin(least, error[f]);
+            for (int f = 0; f < EDML_FOCAL_LENGTHS; f++) {
+                const double misfit = 3000 * (error[f] * error[f] - least * least);
+                most += misfit > 4;
+                beyond += error[f] == 0.125;
+                sum[f] += fmin(4, misfit);
+                TEST_ASSERT_FLOAT_WITHIN(0.01F, (float)(sum[f] / k), focal.misfit[f]);
+            }
+        }
+    }
+    TEST_ASSERT_TRUE(most > 20 && beyond > 5);
+}
+
+/* The mean of the twelve, of a usual one by (ln f / 1.2)^2 / (2 0.5^2) and by its misfit. */
+static void the_focal_length_is_the_mean_by_likelihood(void)
+{
+    rng r = rng_seed(227);
+    for (int n = 0; n < 200; n++) {
+        double least = 100, sum = 0, mean = 0, unlike[EDML_FOCAL_LENGTHS];
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_focal_start(&focal, 1000, 800));
+        focal.poses = 3;
+        for (int f = 0; f < EDML_FOCAL_LENGTHS; f++) {
+            const double usual = log(0.5 * pow(8, f / 11.0) / 1.2);
+            focal.misfit[f] = f == n % 13 ? 0 : uniform(&r, n % 2 ? 3.9F : 0, 4);
+            unlike[f] = (double)focal.misfit[f] + usual * usual / 0.5;
+            least = fmin(least, unlike[f]);
+        }
+        for (int f = 0; f < EDML_FOCAL_LENGTHS; f++) {
+            const double weight = pow(1 + (unlike[f] - least) / 8, -8);
+            sum += weight;
+            mean += f * weight;
+        }
+        mean /= sum;
+        const int below = mean < 10 ? (int)mean : 10;
+        const double low = 400 * pow(8, below / 11.0), high = 400 * pow(8, (below + 1) / 11.0);
+        TEST_ASSERT_FLOAT_WITHIN(0.05F, (float)(low + (mean - below) * (high - low)), found());
+    }
+    for (int f = 0; f < EDML_FOCAL_LENGTHS; f++) focal.misfit[f] = f == 11 ? 0 : 1e6F;
+    TEST_ASSERT_FLOAT_WITHIN(1, 3200, found()); /* the last one, alone */
+    for (int f = 0; f < EDML_FOCAL_LENGTHS; f++) focal.misfit[f] = f == 0 ? 0 : 1e6F;
+    TEST_ASSERT_FLOAT_WITHIN(1, 400, found());
+}
+
+static void more_poses_than_can_be_counted_are_taken(void)
+{
+    rng r = rng_seed(228);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_focal_start(&focal, 1000, 800));
+    focal.poses = UINT16_MAX;
+    someone(&r, 900, 3, 0);
+    add();
+    TEST_ASSERT_EQUAL_INT(UINT16_MAX, focal.poses);
+}
+
+static void work_memory_must_be_aligned(void)
+{
+    static edml_work two[2];
+    rng r = rng_seed(229);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_focal_start(&focal, 1000, 800));
+    someone(&r, 900, 3, 0);
+    const edml_focal before = focal;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_focal_add(&focal, &pose, in, (char *)two + 1, sizeof *two));
+    TEST_ASSERT_SAME_BYTES(before, focal);
+}
+#endif
+
 static void expect(edml_status status)
 {
     const edml_focal before = focal;
@@ -159,6 +266,12 @@ int main(void)
     RUN_TEST(people_who_say_nothing_have_a_usual_camera);
     RUN_TEST(many_poses_give_one_that_hardly_moves);
     RUN_TEST(one_bad_pose_does_not_decide);
+#ifndef EDML_TEST_Q24
+    RUN_TEST(a_misfit_is_the_mean_of_squared_errors);
+    RUN_TEST(the_focal_length_is_the_mean_by_likelihood);
+    RUN_TEST(more_poses_than_can_be_counted_are_taken);
+    RUN_TEST(work_memory_must_be_aligned);
+#endif
     RUN_TEST(what_has_no_place_says_nothing);
     RUN_TEST(it_needs_the_size_of_the_image);
     return UNITY_END();

@@ -135,6 +135,101 @@ static void all_joints_move_alike_and_nothing_else_changes(void)
     TEST_ASSERT_TRUE(placement.reprojection == before.reprojection && placement.steps == before.steps);
 }
 
+#ifndef EDML_TEST_Q24 /* which rounds places to 2^-16 m */
+typedef struct {
+    double place, rate;
+} gains;
+
+/* A fading memory keeps `left` of what was; in the steady state it follows from Kalata's index, and the first
+ * placements are on a line of least squares. */
+static gains gains_for(double acceleration_over_noise, double seconds, double distance, int n)
+{
+    const double root = fmin(acceleration_over_noise * seconds / sqrt(distance), 4), index = root * root;
+    const double left = (4 + index - sqrt(8 * index + index * index)) / 4;
+    const gains line = {2.0 * (2 * n - 1) / (n * (n + 1)), 6.0 / (n * (n + 1))};
+    gains made = {fmax(1 - left * left, line.place), fmax((1 - left) * (1 - left), line.rate)};
+    if (n == 2) made.rate = line.rate;
+    return made;
+}
+
+static double at_most(double most, double value) { return fmax(-most, fmin(most, value)); }
+
+/* What a path must have made of a placement after the last one. */
+static void check_followed(const edml_path *before, edml_point to, double seconds)
+{
+    const double seen[] = {(double)to.x, (double)to.y, (double)to.z};
+    const double at[] = {(double)before->at.x, (double)before->at.y, (double)before->at.z};
+    const double rate[] = {(double)before->rate.x, (double)before->rate.y, (double)before->rate.z};
+    const float found[] = {path.at.x, path.at.y, path.at.z};
+    const float rates[] = {path.rate.x, path.rate.y, path.rate.z};
+    const double distance = sqrt(seen[0] * seen[0] + seen[1] * seen[1] + seen[2] * seen[2]);
+    double expected[3], along = 0;
+    int leapt = 0;
+    for (int k = 0; k < 3; k++) {
+        expected[k] = at_most(100, at[k] + seconds * rate[k]);
+        along += (seen[k] - expected[k]) * seen[k] / distance;
+        leapt |= fabs(seen[k] - expected[k]) > fmin(distance / 3, 15);
+    }
+    TEST_ASSERT_EQUAL_INT(leapt ? 1 : before->placements + 1, path.placements);
+    const gains a = gains_for(10, seconds, fmax(distance, 1), path.placements);
+    const gains c = gains_for(100, seconds, fmax(distance, 1), path.placements);
+    for (int k = 0; k < 3; k++) {
+        const double news_along = along * seen[k] / distance, news_across = seen[k] - expected[k] - news_along;
+        const double more = (a.rate * news_along + c.rate * news_across) / seconds;
+        const double place = at_most(100, expected[k] + a.place * news_along + c.place * news_across);
+        const double quicker = at_most(24, rate[k] + at_most(24, more));
+        TEST_ASSERT_FLOAT_WITHIN(2e-5F * (float)(1 + distance), (float)(leapt ? seen[k] : place), found[k]);
+        TEST_ASSERT_FLOAT_WITHIN(1e-3F * (float)(1 + distance), (float)(leapt ? 0 : quicker), rates[k]);
+    }
+}
+
+/* Near and far, at a few frames a second and at hundreds, with leaps and with absurd speeds. */
+static void a_placement_is_followed_by_its_distance_and_the_time(void)
+{
+    rng r = rng_seed(204);
+    int leaps = 0, fastest = 0;
+    for (int n = 0; n < 300; n++) {
+        static const uint32_t ms[] = {1, 16, 33, 100, 400, 1000};
+        const float depth = n % 4 == 0 ? uniform(&r, 0.3F, 1) : uniform(&r, 1, n % 4 == 1 ? 90 : 6);
+        const float off = n % 3 == 0 ? 0.005F : n % 3 == 1 ? 0.05F : 0.2F;
+        const edml_point from = {depth * uniform(&r, -1, 1), depth * uniform(&r, -0.5F, 0.5F), depth};
+        uint32_t time = rng_bits(&r);
+        edml_path_start(&path);
+        for (int k = 0; k < 30; k++) {
+            const edml_point aside = {off * depth * gauss(&r), off * depth * gauss(&r), off * depth * gauss(&r)};
+            edml_point to = moved(from, 1, aside);
+            if (to.z < 0.1F) to.z = 0.1F;
+            if (fabsf(to.x) > 99 || fabsf(to.y) > 99 || to.z > 99) continue;
+            const edml_path before = path;
+            const uint32_t step = ms[(n + k / 10) % 6];
+            follow(to, time += step);
+            if (before.placements > 0) check_followed(&before, to, step / 1000.0);
+            leaps += before.placements > 1 && path.placements == 1;
+            fastest += fabsf(path.rate.x) == 24;
+        }
+    }
+    TEST_ASSERT_TRUE(leaps > 50 && fastest > 50);
+}
+
+static void the_memory_of_a_path_ends_at_a_thousand_placements(void)
+{
+    edml_path_start(&path);
+    for (uint32_t n = 1; n <= 1005; n++) {
+        follow(point_of(0, 0, 4), n);
+        TEST_ASSERT_EQUAL_INT(n < 1000 ? n : 1000, path.placements);
+    }
+}
+
+static void a_path_that_starts_anew_stands_still(void)
+{
+    edml_path_start(&path);
+    for (uint32_t n = 0; n < 10; n++) follow(point_of(0.1F * (float)n, 0, 4), 33 * n);
+    TEST_ASSERT_TRUE(path.rate.x > 1);
+    follow(point_of(0, 0, 9), 330);
+    TEST_ASSERT_TRUE(path.rate.x == 0 && path.rate.y == 0 && path.rate.z == 0);
+}
+#endif
+
 /* ---- Starts, gaps and leaps --------------------------------------------------------------------- */
 
 /* A path that is steady at 4 m; returns the time of its last frame. */
@@ -243,6 +338,11 @@ int main(void)
     RUN_TEST(noise_in_depth_is_taken_out);
     RUN_TEST(motion_across_the_line_of_sight_is_followed_at_once);
     RUN_TEST(all_joints_move_alike_and_nothing_else_changes);
+#ifndef EDML_TEST_Q24
+    RUN_TEST(a_placement_is_followed_by_its_distance_and_the_time);
+    RUN_TEST(the_memory_of_a_path_ends_at_a_thousand_placements);
+    RUN_TEST(a_path_that_starts_anew_stands_still);
+#endif
     RUN_TEST(it_starts_anew_after_a_second_without_a_placement);
     RUN_TEST(it_starts_anew_with_somebody_else);
     RUN_TEST(time_goes_on);

@@ -136,22 +136,34 @@ class Alone:
         return self.objects(name, mutant, "-O0") is not None
 
 
-def drop_what_does_not_compile(mutants: Numbered, alone: Alone) -> Numbered:
-    """Without the mutants that are errors; all of these are in the texts of the tree."""
+def errors_of_tree() -> list[tuple[str, int]]:
+    """Files of lib/ and lines of which the compiler complains."""
     include = ["-include", HARNESS / "harness.h"]
     commands = [[*_COMPILE, *include, "-fsyntax-only", path] for path in sources_of(TREE)]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         said = "".join(pool.map(_said, commands))
-    places = {(os.path.normpath(file), int(line))
-              for file, line in re.findall(r"^([^:\n]+):(\d+):\d+: error", said, re.M)}  # fmt: skip
-    if not places and "error" in said:
+    found = re.findall(r"^([^:\n]+):(\d+):\d+: error", said, re.M)
+    if not found and "error" in said:
         raise ToolError(said)
-    suspects = [n for n, (file, mutant) in mutants.items() for line in range(mutant.line, mutant.line + 6)
-                if (str(TREE / file), line) in places]  # fmt: skip
-    dropped = {n for n in dict.fromkeys(suspects) if not alone.compiles(*mutants[n])}
-    if places and not dropped:
-        raise ToolError(f"mutants compile alone, and not together:\n{said[:2000]}")
-    return {n: found for n, found in mutants.items() if n not in dropped}
+    return [(os.path.relpath(file, TREE), int(line)) for file, line in found]
+
+
+def write_what_compiles(mutants: Numbered, alone: Alone) -> Numbered:
+    """Writes the texts into the tree without the mutants that are errors, and returns the others.
+
+    One that compiles alone may still be none in a choice at run time, because its type is another.
+    """
+    while True:
+        write_texts(mutants)
+        places = errors_of_tree()
+        if not places:
+            return mutants
+        suspects = {n: found for n, found in mutants.items()
+                    for line in range(found[1].line, found[1].line + 6) if (found[0], line) in places}  # fmt: skip
+        dropped = {n for n, found in suspects.items() if not alone.compiles(*found)} or set(suspects)
+        if not dropped:
+            raise ToolError(f"errors where there is no mutant: {places[0]}")
+        mutants = {n: found for n, found in mutants.items() if n not in dropped}
 
 
 # ---- The build -----------------------------------------------------------------------------------

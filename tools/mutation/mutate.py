@@ -61,9 +61,7 @@ def run_all(suite: Suite, mutants: build.Numbered) -> dict[int, str]:
 def mutate(args: argparse.Namespace) -> Results:
     mutants, sampled, reasons = choose(args)
     alone = build.Alone()
-    build.write_texts(mutants)
-    mutants = build.drop_what_does_not_compile(mutants, alone)
-    build.write_texts(mutants)
+    mutants = build.write_what_compiles(mutants, alone)
     print(f"{len(mutants)} mutants; building the tests", file=sys.stderr)
     suite = Suite(build.build_tests(max(mutants)))
     killers = run_all(suite, {n: m for n, m in mutants.items() if n not in reasons})
