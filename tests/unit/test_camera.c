@@ -539,6 +539,101 @@ static void people_too_far_away(void)
     }
 }
 
+/* A foot so far to the side, of somebody at 1.5 m, with a confidence that leaves the mean ray where it is. */
+static void see_a_foot_aside(rng *r, float degrees)
+{
+    camera = usual;
+    human_pose(person);
+    root_at_mid_hip(person);
+    stand_at(0, 0, 1.5F);
+    person[EDML_L_ANKLE].x = 1.5F * tanf(degrees * 0.01745329F);
+    person[EDML_L_ANKLE].y = 0;
+    person[EDML_L_ANKLE].z = 1.5F;
+    take_pose(mid_hip(), random_rotation(r));
+    see(in, &camera, person);
+    in[EDML_L_ANKLE].c = 0.02F;
+}
+
+static void a_joint_over_60_degrees_off_the_others_was_not_seen(void)
+{
+    rng r = rng_seed(301);
+    for (int n = 0; n < 10; n++) {
+        see_a_foot_aside(&r, 57);
+        run();
+        see_a_foot_aside(&r, 62.5F);
+        expect(EDML_ERR_CAMERA);
+    }
+}
+
+/* What work memory holds from before does not take the place of a ray that there cannot be. */
+static void a_ray_too_far_off_the_axis_is_refused_whatever_was_before(void)
+{
+    rng r = rng_seed(302);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        someone_somewhere(&r, 3, 6);
+        run();
+        in[j].x = camera.cx + 2.01F * camera.fx;
+        expect(EDML_ERR_CAMERA);
+        in[j].x = camera.cx;
+        in[j].y = camera.cy - 2.01F * camera.fy;
+        expect(EDML_ERR_CAMERA);
+    }
+}
+
+static void what_work_memory_holds_before_does_not_matter(void)
+{
+    rng r = rng_seed(303);
+    for (int n = 0; n < 20; n++) {
+        someone_somewhere(&r, 3, 6);
+        hide(&r, n % 8);
+        memset(&work, 0, sizeof work);
+        run();
+        const edml_placement first = placement;
+        memset(&work, 0xFF, sizeof work); /* NaN, in float */
+        run();
+        TEST_ASSERT_SAME_BYTES(first, placement);
+    }
+}
+
+/* A wrist stretched towards the camera until nothing but a third of the person's distance is left, and less. */
+static void a_joint_within_a_third_of_the_distance_was_not_seen(void)
+{
+    static const float depth[] = {0.45F, 0.25F};
+    rng r = rng_seed(304);
+    for (int n = 0; n < 2; n++) {
+        camera = usual;
+        human_pose(person);
+        root_at_mid_hip(person);
+        stand_at(0, 0, 1.2F);
+        person[EDML_L_WRIST] = (edml_point){0.05F, 0, depth[n]};
+        take_pose(mid_hip(), random_rotation(&r));
+        see(in, &camera, person);
+        if (n == 0)
+            run();
+        else
+            expect(EDML_ERR_CAMERA);
+    }
+}
+
+/* A thousandth of all confidence, just, is too little to count; then six joints are left. */
+static void a_joint_with_a_thousandth_of_the_confidence_does_not_count(void)
+{
+    someone_usual(87);
+    for (int j = 0; j < EDML_JOINTS; j++) in[j].c = j < 6 ? 170.5F / 1024 : j == 6 ? 1.0F / 1024 : 0;
+    expect(EDML_ERR_TOO_FEW_JOINTS);
+    in[6].c = 2.0F / 1024;
+    run();
+}
+
+#ifndef EDML_TEST_Q24 /* there sums of confidences fit */
+static void confidences_whose_sum_is_no_number_are_refused(void)
+{
+    someone_usual(89);
+    for (int j = 0; j < EDML_JOINTS; j++) in[j].c = 1e38F;
+    expect(EDML_ERR_NOT_FINITE);
+}
+#endif
+
 /* An arm of 2.5 m, which was not seen, from someone 1.6 m away who points at the camera. */
 static void a_joint_behind_the_camera(void)
 {
@@ -784,6 +879,14 @@ int main(void)
     RUN_TEST(too_few_joints);
     RUN_TEST(points_and_lines);
     RUN_TEST(people_too_far_away);
+    RUN_TEST(a_joint_over_60_degrees_off_the_others_was_not_seen);
+    RUN_TEST(a_ray_too_far_off_the_axis_is_refused_whatever_was_before);
+    RUN_TEST(what_work_memory_holds_before_does_not_matter);
+    RUN_TEST(a_joint_within_a_third_of_the_distance_was_not_seen);
+    RUN_TEST(a_joint_with_a_thousandth_of_the_confidence_does_not_count);
+#ifndef EDML_TEST_Q24
+    RUN_TEST(confidences_whose_sum_is_no_number_are_refused);
+#endif
     RUN_TEST(a_joint_behind_the_camera);
     RUN_TEST(a_person_off_the_axis_is_the_one_on_the_axis_turned);
     RUN_TEST(on_the_axis_it_is_the_lift_without_a_camera);

@@ -220,9 +220,281 @@ static void random_starts_lead_to_the_truth(void)
     TEST_ASSERT_TRUE(alone >= 900);
 }
 
+/* ---- Equations -------------------------------------------------------------------------------------- */
+
+static matrix3 random_positive(rng *r)
+{
+    matrix3 sum = zero_matrix;
+    for (int n = 0; n < 4; n++) {
+        const point p = {0.5F * gauss(r), 0.5F * gauss(r), 0.5F * gauss(r)};
+        add_product(&sum, p, p);
+    }
+    return sum;
+}
+
+static float largest(point p) { return worse(worse(fabsf(p.x), fabsf(p.y)), fabsf(p.z)); }
+
+/* Components up to 8 are a solution, beyond it they are none. */
+static void three_equations_are_solved_up_to_the_limit(void)
+{
+    rng r = rng_seed(401);
+    int solved = 0, refused = 0;
+    for (int n = 0; n < 5000; n++) {
+        const matrix3 a = random_positive(&r);
+        const point x = {uniform(&r, -11, 11), uniform(&r, -11, 11), uniform(&r, -11, 11)};
+        const point b = rotate(&a, x);
+        const float det = dot(a.x, cross(a.y, a.z));
+        point found;
+        if (det < 0.02F) continue;
+        const int is_solved = solve3(&found, &a, b);
+        const float yy = a.y.y - a.x.y * a.x.y / a.x.x, zy = (a.y.z - a.x.y * a.x.z / a.x.x) / yy;
+        const float on_the_way = x.y + zy * x.z; /* which must be within the limit, too */
+        if (largest(x) > 8.01F) {
+            refused++;
+            TEST_ASSERT_FALSE(is_solved);
+        } else if (largest(x) < 7.99F && fabsf(on_the_way) < 7.99F) {
+            solved++;
+            TEST_ASSERT_TRUE(is_solved);
+            TEST_ASSERT_ERROR_UP_TO(2e-3F, norm(minus(found, x)));
+        }
+    }
+    TEST_ASSERT_TRUE(solved > 500 && refused > 500);
+}
+
+static void pivots_near_zero_have_no_solution(void)
+{
+    static const point zero = {0, 0, 0}, one = {1e-4F, 1e-4F, 1e-4F};
+    for (int n = 0; n < 3; n++) {
+        matrix3 a = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+        float *pivot = n == 0 ? &a.x.x : n == 1 ? &a.y.y : &a.z.z;
+        point found;
+        *pivot = 0.000245F;
+        TEST_ASSERT_TRUE(solve3(&found, &a, one));
+        *pivot = 0.000244F; /* 2^-12 is 0.00024414 */
+        TEST_ASSERT_FALSE(solve3(&found, &a, zero));
+        TEST_ASSERT_FALSE(solve3(&found, &a, one));
+        *pivot = -1;
+        TEST_ASSERT_FALSE(solve3(&found, &a, zero));
+    }
+}
+
+/* One row may be 64 times another's pivot, and no more. */
+static void a_row_beyond_its_pivot_has_no_solution(void)
+{
+    static const point zero = {0, 0, 0};
+    matrix3 a = {{1, 0, 0}, {0, 0.001F, 0.0635F}, {0, 0.0635F, 9}};
+    point found;
+    TEST_ASSERT_TRUE(solve3(&found, &a, zero));
+    a.y.z = a.z.y = 0.0645F;
+    TEST_ASSERT_FALSE(solve3(&found, &a, zero));
+}
+
+/* ---- Derivatives and steps ---------------------------------------------------------------------------- */
+
+/* Away from the truth by so many radians about an axis. */
+static estimate off_the_truth(const scene *v, rng *r, float angle)
+{
+    const point axis = {gauss(r), gauss(r), gauss(r)};
+    const matrix3 turn = quaternion_rotation(1, over(axis, 2 * norm(axis) / angle));
+    estimate s;
+    memset(&s, 0, sizeof s);
+    s.rotation = compose_rotations(&turn, &truth);
+    (void)best_translation(&s, v);
+    return s;
+}
+
+/* What a residual's vectors say of a small move, and what the residual is after it. */
+static void check_derivatives(const scene *v, const estimate *s, residual_of *residual_at, rng *r)
+{
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        joint_residual before, after;
+        estimate near = *s;
+        const point move = {2e-3F * gauss(r), 2e-3F * gauss(r), 2e-3F * gauss(r)};
+        near.translation = plus(s->translation, move);
+        TEST_ASSERT_TRUE(residual_at(&before, v, s, j) && residual_at(&after, v, &near, j));
+        const float size = norm(move) * (norm(before.a) + norm(before.b));
+        TEST_ASSERT_FLOAT_WITHIN(0.02F * size + 1e-6F, dot(before.a, move), after.miss_a - before.miss_a);
+        TEST_ASSERT_FLOAT_WITHIN(0.02F * size + 1e-6F, dot(before.b, move), after.miss_b - before.miss_b);
+    }
+}
+
+static void derivatives_are_those_of_the_residuals(void)
+{
+    rng r = rng_seed(402);
+    for (int n = 0; n < 200; n++) {
+        scene v = random_view(&r, 3);
+        const estimate s = off_the_truth(&v, &r, 0.05F);
+        v.depth = in_camera(&v, s.translation).z;
+        check_derivatives(&v, &s, line_residual, &r);
+        check_derivatives(&v, &s, image_residual, &r);
+    }
+}
+
+/* Newton's method: near the minimum, what is left is the square of what there was. */
+static void a_step_leaves_the_square_of_the_angle(void)
+{
+    rng r = rng_seed(403);
+    for (int n = 0; n < 200; n++) {
+        scene v = random_view(&r, 0);
+        const estimate s = off_the_truth(&v, &r, 0.02F);
+        v.depth = in_camera(&v, s.translation).z;
+        residual_of *const kinds[] = {line_residual, image_residual};
+        for (int k = 0; k < 2; k++) {
+            estimate next;
+            float angle = 0;
+            TEST_ASSERT_TRUE(gauss_newton_step(&next, &angle, &v, &s, kinds[k]));
+            TEST_ASSERT_FLOAT_WITHIN(0.004F, 0.02F, angle);
+            TEST_ASSERT_ERROR_UP_TO(0.004F, off_by(&next.rotation, &truth));
+        }
+    }
+}
+
+/* A descent ends with the step after which no other is needed, and counts it. */
+static void near_the_truth_a_descent_takes_a_step_or_two(void)
+{
+    static const float off[] = {0.0006F, 0.006F, 0.012F}; /* below 2^-10, below 2^-7, beyond */
+    rng r = rng_seed(404);
+    int in_space[3] = {0, 0, 0}, in_image[3] = {0, 0, 0};
+    for (int n = 0; n < 300; n++) {
+        scene v = random_view(&r, 5);
+        estimate best, s;
+        TEST_ASSERT_TRUE(orthographic_start(&best, &v) && object_space_descent(&best, &v) >= 0);
+        TEST_ASSERT_TRUE(object_space_descent(&best, &v) >= 0);
+        truth = best.rotation;
+        s = off_the_truth(&v, &r, off[n % 3]);
+        in_space[n % 3] += object_space_descent(&s, &v);
+        v.depth = in_camera(&v, best.translation).z;
+        TEST_ASSERT_TRUE(refine_reprojection(&best, &v) >= 0 && refine_reprojection(&best, &v) >= 0);
+        truth = best.rotation;
+        s = off_the_truth(&v, &r, off[n % 3]);
+        s.translation = best.translation;
+        in_image[n % 3] += refine_reprojection(&s, &v);
+    }
+    printf("camera: steps from 0.6, 6 and 12 mrad, of 100: %d, %d and %d in space; %d, %d and %d in the image\n",
+           in_space[0], in_space[1], in_space[2], in_image[0], in_image[1], in_image[2]);
+    TEST_ASSERT_TRUE(in_space[0] <= 105 && in_space[1] <= 105 && in_space[2] >= 150);
+    TEST_ASSERT_TRUE(in_space[0] >= 95 && in_image[0] >= 95 && in_image[0] <= 105 && in_image[1] >= 150);
+}
+
+/* From a thousandth of a radian on the way, the way doubles each time. */
+static void extrapolation_doubles_its_step(void)
+{
+    rng r = rng_seed(405);
+    for (int n = 0; n < 100; n++) {
+        const scene v = random_view(&r, 0);
+        const point axis = {gauss(&r), gauss(&r), gauss(&r)};
+        const matrix3 far = quaternion_rotation(1, over(axis, 2 * norm(axis) / 0.12F));
+        const matrix3 little = quaternion_rotation(1, over(axis, -2 * norm(axis) / 0.001F));
+        estimate s, next;
+        memset(&s, 0, sizeof s);
+        s.rotation = compose_rotations(&far, &truth);
+        next = s;
+        next.rotation = compose_rotations(&little, &s.rotation);
+        TEST_ASSERT_TRUE(best_translation(&s, &v) && best_translation(&next, &v));
+        if (!(next.error < s.error)) continue;
+        extrapolate(&next, &v, &s);
+        TEST_ASSERT_ERROR_UP_TO(0.02F, off_by(&next.rotation, &truth)); /* 0.12 - 0.128 */
+    }
+}
+
+/* All of a placement's steps: those from both starts, and the last ones in the image. */
+static void the_steps_of_both_starts_and_of_the_image_are_counted(void)
+{
+    rng r = rng_seed(406);
+    for (int n = 0; n < 200; n++) {
+        scene v = random_view(&r, n % 2 ? 8.0F : 0);
+        estimate s, reversed, found;
+        int counted = -7;
+        TEST_ASSERT_TRUE(orthographic_start(&s, &v));
+        const int first = object_space_descent(&s, &v);
+        TEST_ASSERT_TRUE(reversed_start(&reversed, &v, &s));
+        const int second = object_space_descent(&reversed, &v);
+        if (first < 0 || (second >= 0 && reversed.error < s.error)) s = reversed;
+        v.depth = in_camera(&v, s.translation).z;
+        const int third = refine_reprojection(&s, &v);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, find_estimate(&found, &counted, &v));
+        TEST_ASSERT_EQUAL_INT((first < 0 ? 0 : first) + (second < 0 ? 0 : second) + third, counted);
+        TEST_ASSERT_SAME_BYTES(s.rotation, found.rotation);
+    }
+}
+
+/* ---- The scene ---------------------------------------------------------------------------------------- */
+
+/* Weighted, the joints' mean is 0 and their squares add up to 1; so do the weights; rays off the axis square to
+ * the spread. */
+static void a_scene_has_numbers_of_about_one(void)
+{
+    rng r = rng_seed(407);
+    for (int n = 0; n < 100; n++) {
+        const scene v = random_view(&r, 2);
+        point mean = {0, 0, 0}, off = {0, 0, 0};
+        float weights = 0, squares = 0;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            weights += weight_of(&v, j);
+            add_multiple(&mean, weight_of(&v, j), v.joint[j]);
+            squares += weight_of(&v, j) * dot(v.joint[j], v.joint[j]);
+            const point ray = {v.ray[j].x, v.ray[j].y, 1};
+            add_multiple(&off, weight_of(&v, j), rotate(&v.view_rotation, ray));
+        }
+        TEST_ASSERT_FLOAT_WITHIN(ROUNDING, 1, weights);
+        TEST_ASSERT_FLOAT_WITHIN(ROUNDING, 1, squares);
+        TEST_ASSERT_ERROR_UP_TO(ROUNDING, norm(mean));
+        TEST_ASSERT_ERROR_UP_TO(ROUNDING, fabsf(off.x) + fabsf(off.y)); /* the axis is the mean ray */
+        TEST_ASSERT_FLOAT_WITHIN(ROUNDING, 1, v.scatter.x.x + v.scatter.y.y + v.scatter.z.z);
+    }
+}
+
+/* Points in a plane, whichever it is, are where the ridge is needed. */
+static void flat_points_have_a_start(void)
+{
+    rng r = rng_seed(408);
+    for (int n = 0; n < 60; n++) {
+        scene v = random_view(&r, 0);
+        const matrix3 scatter = v.scatter;
+        float *flat = n % 3 == 0 ? &v.scatter.x.x : n % 3 == 1 ? &v.scatter.y.y : &v.scatter.z.z;
+        v.scatter = zero_matrix;
+        v.scatter.x.x = scatter.x.x;
+        v.scatter.y.y = scatter.y.y;
+        v.scatter.z.z = scatter.z.z;
+        *flat = 0;
+        v.across = (point){n % 3 == 0 ? 0 : 0.1F, n % 3 == 0 ? 0.1F : 0, 0};
+        v.down = (point){0, n % 3 == 2 ? 0.1F : 0, n % 3 == 2 ? 0 : 0.1F};
+        estimate s;
+        TEST_ASSERT_TRUE(orthographic_start(&s, &v));
+    }
+}
+
+static void lines_of_sight_end_at_a_tangent_of_two(void)
+{
+    static const edml_camera flat = {0, 1145, 500, 500}, upright = {1145, 0, 500, 500};
+    const edml_keypoint in[] = {{500 + 2 * 1145, 500, 1}, {500, 500 - 2 * 1145, 1}};
+    point ray;
+    for (int n = 0; n < 2; n++) {
+        edml_keypoint beyond = in[n];
+        TEST_ASSERT_TRUE(line_of_sight(&ray, in[n], &camera));
+        TEST_ASSERT_TRUE(ray.x == (n ? 0 : 2) && ray.y == (n ? -2 : 0) && ray.z == 1);
+        beyond.x += n ? 0 : 1;
+        beyond.y -= n ? 1 : 0;
+        TEST_ASSERT_FALSE(line_of_sight(&ray, beyond, &camera));
+    }
+    TEST_ASSERT_TRUE(is_camera(&camera));
+    TEST_ASSERT_FALSE(is_camera(&flat) || is_camera(&upright));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(three_equations_are_solved_up_to_the_limit);
+    RUN_TEST(pivots_near_zero_have_no_solution);
+    RUN_TEST(a_row_beyond_its_pivot_has_no_solution);
+    RUN_TEST(derivatives_are_those_of_the_residuals);
+    RUN_TEST(a_step_leaves_the_square_of_the_angle);
+    RUN_TEST(near_the_truth_a_descent_takes_a_step_or_two);
+    RUN_TEST(extrapolation_doubles_its_step);
+    RUN_TEST(the_steps_of_both_starts_and_of_the_image_are_counted);
+    RUN_TEST(a_scene_has_numbers_of_about_one);
+    RUN_TEST(flat_points_have_a_start);
+    RUN_TEST(lines_of_sight_end_at_a_tangent_of_two);
     RUN_TEST(the_best_rotation_is_the_one_that_made_the_points);
     RUN_TEST(the_best_rotation_is_a_rotation_and_the_best);
     RUN_TEST(alternating_never_raises_the_error_in_space);

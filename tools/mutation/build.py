@@ -142,7 +142,7 @@ def errors_of_tree() -> list[tuple[str, int]]:
     commands = [[*_COMPILE, *include, "-fsyntax-only", path] for path in sources_of(TREE)]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         said = "".join(pool.map(_said, commands))
-    found = re.findall(r"^([^:\n]+):(\d+):\d+: error", said, re.M)
+    found = re.findall(r"^([^:\n]+):(\d+):\d+: (?:error|note: in expansion)", said, re.M)
     if not found and "error" in said:
         raise ToolError(said)
     return [(os.path.relpath(file, TREE), int(line)) for file, line in found]
@@ -155,14 +155,14 @@ def write_what_compiles(mutants: Numbered, alone: Alone) -> Numbered:
     """
     while True:
         write_texts(mutants)
-        places = errors_of_tree()
+        places = set(errors_of_tree())
         if not places:
             return mutants
         suspects = {n: found for n, found in mutants.items()
                     for line in range(found[1].line, found[1].line + 6) if (found[0], line) in places}  # fmt: skip
         dropped = {n for n, found in suspects.items() if not alone.compiles(*found)} or set(suspects)
         if not dropped:
-            raise ToolError(f"errors where there is no mutant: {places[0]}")
+            raise ToolError(f"errors where there is no mutant: {sorted(places)[0]}")
         mutants = {n: found for n, found in mutants.items() if n not in dropped}
 
 
