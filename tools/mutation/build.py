@@ -128,9 +128,10 @@ class Alone:
 
     def original(self, name: str, *options: str) -> list[bytes] | None:
         """The object files of the text as it is."""
-        if (name, *options) not in self._originals:
-            self._originals[name, *options] = self.objects(name, None, *options)
-        return self._originals[name, *options]
+        key = (name, *options)
+        if key not in self._originals:
+            self._originals[key] = self.objects(name, None, *options)
+        return self._originals[key]
 
     def compiles(self, name: str, mutant: Mutant) -> bool:
         return self.objects(name, mutant, "-O0") is not None
@@ -158,9 +159,9 @@ def write_what_compiles(mutants: Numbered, alone: Alone) -> Numbered:
         places = set(errors_of_tree())
         if not places:
             return mutants
-        suspects = {n: found for n, found in mutants.items()
-                    for line in range(found[1].line, found[1].line + 6) if (found[0], line) in places}  # fmt: skip
-        dropped = {n for n, found in suspects.items() if not alone.compiles(*found)} or set(suspects)
+        suspects = [n for n, (file, mutant) in mutants.items()
+                    if any((file, mutant.line + k) in places for k in range(6))]  # fmt: skip
+        dropped = {n for n in suspects if not alone.compiles(*mutants[n])} or set(suspects)
         if not dropped:
             raise ToolError(f"errors where there is no mutant: {sorted(places)[0]}")
         mutants = {n: found for n, found in mutants.items() if n not in dropped}

@@ -1,11 +1,12 @@
 """Would the C tests see a small fault in lib/?  Makes faults and runs the tests on them.
 
-    mutate                      a sample of lib/, and a denser one of each part that docs/mutation.md names
-    mutate --file lib/lift/mds.h        all mutants of a file (or of the files that begin so)
-    mutate --update             writes the tables of docs/mutation.md
-    mutate --list               prints mutants, and runs none
+    mutate                        a sample of lib/, and denser ones of some parts (docs/mutation.md)
+    mutate --file lib/lift/mds.h  all mutants of a file, or of the files that begin so
+    mutate --update               writes the tables of docs/mutation.md
+    mutate --list                 prints mutants, and runs none
 
-The mutants are compiled at once into one build of the tests, build/mutation, and chosen at run time.
+The mutants are compiled at once into one build of the tests, build/mutation, and chosen at run
+time.
 A mutant is killed if any of the tests that reach it fails, crashes, or takes five times as long.
 """
 
@@ -77,9 +78,9 @@ def write_json(results: Results) -> None:
     """What became of each mutant, for whoever reads them one by one."""
     sources = build.texts()
     entries = [
-        {"number": n, "file": file, "line": m.line, "function": m.function, "text": line_of(file, m, sources),
-         "operator": m.operator, "change": m.change, "killer": results.killers.get(n),
-         "equivalent": results.equivalent.get(n)}
+        {"number": n, "file": file, "line": m.line, "function": m.function,
+         "text": line_of(file, m, sources), "operator": m.operator, "change": m.change,
+         "killer": results.killers.get(n), "equivalent": results.equivalent.get(n)}
         for n, (file, m) in results.mutants.items()
     ]  # fmt: skip
     (build.WORK / "results.json").write_text(json.dumps(entries, indent=1) + "\n", "utf-8")
@@ -90,7 +91,7 @@ def parse() -> argparse.Namespace:
         prog="mutate", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--file", action="append", help="of these files alone; may be repeated")
-    parser.add_argument("--sample", type=int, help="so many mutants of all lib/ (1000), or of the files")
+    parser.add_argument("--sample", type=int, help="so many, of lib/ (1000) or of the files")
     parser.add_argument("--dense", type=int, default=250, help="so many more of each part (250)")
     parser.add_argument("--seed", type=int, default=1, help="of the samples (1)")
     what = parser.add_mutually_exclusive_group()
@@ -112,7 +113,9 @@ def main() -> int:
         results = mutate(args)
         write_json(results)
         written = tables(results)
-        print("\n".join(written[name] for name in written if args.file is None or "scores" not in name))
+        if args.file:
+            del written["mutation-scores"]
+        print("\n".join(written.values()))
         if args.update:
             for name, text in written.items():
                 markdown.write(PAGE, name, text)

@@ -1,7 +1,7 @@
 """The mutants of a C text: small faults, each at one place.
 
-They are made of the text before the preprocessor, because a text of lib/ is compiled as float and as
-fixed point.  Bodies of functions alone have mutants.
+They are made of the text before the preprocessor, because a text of lib/ is compiled as float and
+as fixed point.  Bodies of functions alone have mutants.
 """
 
 import re
@@ -129,10 +129,13 @@ class _Texts:
         name = _text(_field(node, "function"))
         return name in _OF_A_LITERAL or _OF_AN_INTEGER.fullmatch(name) is not None
 
-    def _mutant(self, operator: str, node: Node, replacement: str | None, after: str = "") -> Mutant:
+    def _mutant(
+        self, operator: str, node: Node, replacement: str | None, after: str = ""
+    ) -> Mutant:
         shown = after or (_one_line(replacement) if replacement else "(deleted)")
+        line, before = node.start_point.row + 1, _one_line(_text(node))
         return Mutant(operator, node.start_byte, node.end_byte, replacement,
-                      node.start_point.row + 1, self.function, _one_line(_text(node)), shown)  # fmt: skip
+                      line, self.function, before, shown)  # fmt: skip
 
     # ---- Expressions -------------------------------------------------------------------------
 
@@ -141,7 +144,9 @@ class _Texts:
         left, right = _text(_field(node, "left")), _text(_field(node, "right"))
         kind = next((name for name, signs in _KINDS.items() if sign in signs), "assignment")
         for other in _SWAPPED.get(sign, []):
-            name = "boundary" if kind == "comparison" and other.strip("=") == sign.strip("=") else kind
+            name = (
+                "boundary" if kind == "comparison" and other.strip("=") == sign.strip("=") else kind
+            )
             yield self._mutant(name, node, f"{left} {other} ({right})", f"{left} {other} {right}")
 
     def _of_binary_expression(self, node: Node) -> Iterator[Mutant]:

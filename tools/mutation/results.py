@@ -1,9 +1,10 @@
-"""What became of mutants: killed, equivalent by argument or by its object code, or alive; as tables."""
+"""What became of mutants: killed, equivalent (argued, or of the same code), or alive; as tables."""
 
-import tomllib
 from collections import Counter
 from collections.abc import Mapping
 from typing import NamedTuple
+
+import tomllib
 
 from data.paths import ROOT
 from mutation.build import Alone, Numbered, texts
@@ -86,7 +87,9 @@ COLUMNS = ["mutants", "killed", "equivalent", "alive", "score, %"]
 def score_table(results: Results) -> str:
     """A row for the sample of all lib/, a row a part."""
     rows = {"all of `lib/`, a sample": results.row(set(results.sampled))}
-    rows |= {f"{name}: `{start}`": results.row(results.part(start)) for name, start in PARTS.items()}
+    rows |= {
+        f"{name}: `{start}`": results.row(results.part(start)) for name, start in PARTS.items()
+    }
     return markdown.table("part", COLUMNS, rows)
 
 
