@@ -309,8 +309,9 @@ static void each_missing_joint_lowers_quality_alike(void)
 static void body_of(const float length[EDML_BONES], const rotation3 *turned)
 {
     static const edml_point along[EDML_BONES] = {
-        {0, -1, 0},   {-1, 0, 0},     {-0.6F, 0.8F, 0}, {0, 1, 0},       {1, 0, 0}, {0.6F, 0.8F, 0}, {0, 1, 0},
-        {-0.28F, 0.96F, 0}, {-0.6F, 0.8F, 0}, {0, 1, 0}, {0.28F, 0.96F, 0}, {0.6F, 0.8F, 0}, {0, 1, 0},
+        {0, -1, 0},        {-1, 0, 0},      {-0.6F, 0.8F, 0},   {0, 1, 0},        {1, 0, 0},
+        {0.6F, 0.8F, 0},   {0, 1, 0},       {-0.28F, 0.96F, 0}, {-0.6F, 0.8F, 0}, {0, 1, 0},
+        {0.28F, 0.96F, 0}, {0.6F, 0.8F, 0}, {0, 1, 0},
     };
     edml_point x[EDML_JOINTS] = {{0, 0, 0}};
     for (int n = 0; n < EDML_BONES; n++) {
@@ -322,7 +323,7 @@ static void body_of(const float length[EDML_BONES], const rotation3 *turned)
     lift_of(x);
 }
 
-static const float usual_bones[EDML_BONES] = {0.29F,  0.195F, 0.26F,  0.26F,  0.195F, 0.26F, 0.26F,
+static const float usual_bones[EDML_BONES] = {0.29F,  0.195F, 0.26F, 0.26F,  0.195F, 0.26F, 0.26F,
                                               0.455F, 0.405F, 0.42F, 0.455F, 0.405F, 0.42F};
 
 /* What the quality is the sigmoid of, (1 + s / sqrt(1 + s^2)) / 2. */
@@ -411,7 +412,8 @@ static void the_view_from_the_side_gains_its_share_of_depth(void)
         const double length = distance_between(line, (edml_point){0, 0, 0});
         const double trunk = length_of(&pose, 10), too_long = trunk > 0.52 ? trunk - 0.52 : 0;
         const double too_short = trunk < 0.39 ? 0.39 - trunk : 0;
-        const double expected = 2.813 + 0.781 * fabs((double)line.z) / length - 7.477 * (too_long + too_short);
+        const double expected = 2.813 + 0.781 * fabs((double)line.z) / length -
+                                7.477 * (too_long + too_short);
         TEST_ASSERT_FLOAT_WITHIN(SCORE_TOLERANCE, (float)expected, (float)score_of());
     }
 }

@@ -370,7 +370,8 @@ static void near_the_truth_a_descent_takes_a_step_or_two(void)
         s.translation = best.translation;
         in_image[n % 3] += refine_reprojection(&s, &v);
     }
-    printf("camera: steps from 0.6, 6 and 12 mrad, of 100: %d, %d and %d in space; %d, %d and %d in the image\n",
+    printf("camera: steps from 0.6, 6 and 12 mrad, of 100: %d, %d and %d in space; %d, %d and %d in the "
+           "image\n",
            in_space[0], in_space[1], in_space[2], in_image[0], in_image[1], in_image[2]);
     TEST_ASSERT_TRUE(in_space[0] <= 105 && in_space[1] <= 105 && in_space[2] >= 150);
     TEST_ASSERT_TRUE(in_space[0] >= 95 && in_image[0] >= 95 && in_image[0] <= 105 && in_image[1] >= 150);

@@ -209,7 +209,8 @@ static void work_memory_must_be_aligned(void)
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_focal_start(&focal, 1000, 800));
     someone(&r, 900, 3, 0);
     const edml_focal before = focal;
-    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_focal_add(&focal, &pose, in, (char *)two + 1, sizeof *two));
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT,
+                          edml_focal_add(&focal, &pose, in, (char *)two + 1, sizeof *two));
     TEST_ASSERT_SAME_BYTES(before, focal);
 }
 #endif

@@ -174,7 +174,8 @@ static void check_followed(const edml_path *before, edml_point to, double second
     const gains a = gains_for(10, seconds, fmax(distance, 1), path.placements);
     const gains c = gains_for(100, seconds, fmax(distance, 1), path.placements);
     for (int k = 0; k < 3; k++) {
-        const double news_along = along * seen[k] / distance, news_across = seen[k] - expected[k] - news_along;
+        const double news_along = along * seen[k] / distance,
+                     news_across = seen[k] - expected[k] - news_along;
         const double more = (a.rate * news_along + c.rate * news_across) / seconds;
         const double place = at_most(100, expected[k] + a.place * news_along + c.place * news_across);
         const double quicker = at_most(24, rate[k] + at_most(24, more));
@@ -196,7 +197,8 @@ static void a_placement_is_followed_by_its_distance_and_the_time(void)
         uint32_t time = rng_bits(&r);
         edml_path_start(&path);
         for (int k = 0; k < 30; k++) {
-            const edml_point aside = {off * depth * gauss(&r), off * depth * gauss(&r), off * depth * gauss(&r)};
+            const edml_point aside = {off * depth * gauss(&r), off * depth * gauss(&r),
+                                      off * depth * gauss(&r)};
             edml_point to = moved(from, 1, aside);
             if (to.z < 0.1F) to.z = 0.1F;
             if (fabsf(to.x) > 99 || fabsf(to.y) > 99 || to.z > 99) continue;

@@ -63,7 +63,10 @@ static double size_of(const edml_keypoint of[EDML_JOINTS])
     return size;
 }
 
-static double at_most(double limit, double value) { return fabs(value) < limit ? value : copysign(limit, value); }
+static double at_most(double limit, double value)
+{
+    return fabs(value) < limit ? value : copysign(limit, value);
+}
 
 /* A mean over a fifth of a second. */
 static float averaged(float before, double value, double seconds)
@@ -84,14 +87,16 @@ static void check_jitter_and_image_step(double seconds)
         const double x = (double)(in[j].x - joint->image.at.x), y = (double)(in[j].y - joint->image.at.y);
         const double off_x = at_most(3, (x - (double)joint->image.rate.x * seconds) / size);
         const double off_y = at_most(3, (y - (double)joint->image.rate.y * seconds) / size);
-        jitter += sqrt(0.5) * hypot(off_x - (double)joint->innovation_x, off_y - (double)joint->innovation_y);
+        jitter += sqrt(0.5) *
+                  hypot(off_x - (double)joint->innovation_x, off_y - (double)joint->innovation_y);
         steps += hypot(at_most(3, x / size), at_most(3, y / size));
         count++;
         TEST_ASSERT_FLOAT_WITHIN(STATE_TOLERANCE, (float)off_x, track.joint[j].innovation_x);
         TEST_ASSERT_FLOAT_WITHIN(STATE_TOLERANCE, (float)off_y, track.joint[j].innovation_y);
     }
     TEST_ASSERT_FLOAT_WITHIN(STATE_TOLERANCE, averaged(was.jitter, jitter / count, seconds), track.jitter);
-    TEST_ASSERT_FLOAT_WITHIN(STATE_TOLERANCE, averaged(was.image_step, steps / count, seconds), track.image_step);
+    TEST_ASSERT_FLOAT_WITHIN(STATE_TOLERANCE, averaged(was.image_step, steps / count, seconds),
+                             track.image_step);
 }
 
 /* From where the lift alone puts the filtered keypoints. */
@@ -141,8 +146,8 @@ static double gain_of(double hertz, double seconds)
 }
 
 /* One joint's one-euro filter with its noise taken off the speed, and the least gain of motion. */
-static void check_filtered(edml_moving before, edml_moving after, edml_point seen, double seconds, double unit,
-                           edml_smoothing by, double noise, double motion)
+static void check_filtered(edml_moving before, edml_moving after, edml_point seen, double seconds,
+                           double unit, edml_smoothing by, double noise, double motion)
 {
     const double low = gain_of(4, seconds), noise_speed = sqrt(low / (2 - low)) * noise / seconds;
     const double step[] = {(double)(seen.x - before.at.x), (double)(seen.y - before.at.y),
@@ -167,7 +172,8 @@ static void check_filters(uint32_t ms)
 {
     const double size = size_of(in), seconds = ms / 1000.0;
     const double share = fmin((double)track.jitter / (double)track.image_step, 4);
-    const double part = share / (double)track.noise_full, motion = part < 1 ? 1 - part * part * part * part : 0;
+    const double part = share / (double)track.noise_full,
+                 motion = part < 1 ? 1 - part * part * part * part : 0;
     check_space_step(seconds);
     for (int j = 0; j < EDML_JOINTS; j++) {
         const edml_tracked_joint *a = &was.joint[j], *b = &track.joint[j];
@@ -419,7 +425,8 @@ static float sides_log_odds(int right, double seconds)
     double far = 0;
     for (int r = right; r < right + 3; r++) {
         const double x = (double)(in[r].x - in[r + 3].x) / size, y = (double)(in[r].y - in[r + 3].y) / size;
-        if (in[r].c > 0 && in[r + 3].c > 0 && was.joint[r + 3].age <= KNOWN_MS && was.joint[r].age <= KNOWN_MS)
+        if (in[r].c > 0 && in[r + 3].c > 0 && was.joint[r + 3].age <= KNOWN_MS &&
+            was.joint[r].age <= KNOWN_MS)
             far += 2 * (x * x + y * y);
     }
     const double before = (double)(right == EDML_R_HIP ? was.legs_log_odds : was.arms_log_odds);
@@ -462,8 +469,8 @@ static void a_mirror_image_is_believed_by_its_depths(void)
         see(20 + 2.0 * n);
         was = track;
         TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&lifted, in, NULL, model, &work, sizeof work));
-        TEST_ASSERT_EQUAL_INT(
-            EDML_OK, edml_track_lift(&pose, &track, in, 100 * n, NULL, model, &work, sizeof work));
+        TEST_ASSERT_EQUAL_INT(EDML_OK,
+                              edml_track_lift(&pose, &track, in, 100 * n, NULL, model, &work, sizeof work));
         if (n == 0) continue;
         double products = 0;
         for (int j = 0; j < EDML_JOINTS; j++)

@@ -65,8 +65,8 @@ def mutate(args: argparse.Namespace) -> Results:
     mutants = build.write_what_compiles(mutants, alone)
     print(f"{len(mutants)} mutants; building the tests", file=sys.stderr)
     suite = Suite(build.build_tests(max(mutants)))
-    killers = run_all(suite, {n: m for n, m in mutants.items() if n not in reasons})
-    equivalent = {n: reason for n, reason in reasons.items() if n in mutants}
+    killers = run_all(suite, mutants)
+    equivalent = {n: why for n, why in reasons.items() if n in mutants and n not in killers}
     left = [n for n in mutants if n not in killers and n not in equivalent]
     for number in tqdm(left, unit="mutant", desc="Comparing object code"):
         if same_code(*mutants[number], alone):
