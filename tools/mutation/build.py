@@ -5,7 +5,7 @@ import random
 import re
 import shutil
 import subprocess
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -170,24 +170,30 @@ def write_what_compiles(mutants: Numbered, alone: Alone) -> Numbered:
 # ---- The build -----------------------------------------------------------------------------------
 
 
-def build_tests(most: int) -> dict[str, Path]:
-    """Builds the unit tests with the texts of the tree; their programs by name.
+PLAIN = ("-O2",)
+SANITIZED = ("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+
+
+def build_tests(name: str, flags: Sequence[str], most: int) -> dict[str, Path]:
+    """Builds the unit tests with the texts of the tree, into build/mutation/NAME; their programs.
 
     most  the largest number of a mutant
     """
-    harness = WORK / "harness.o"
-    folder = WORK / "build"
+    folder = WORK / name
+    harness = WORK / f"{name}.o"
     step(["cmake", "-S", TREE, "-B", folder, *(["-G", "Ninja"] if shutil.which("ninja") else []),
           "-DEDMLIFT_TESTS=ON", "-DEDMLIFT_EXAMPLES=OFF", "-DEDMLIFT_INSTALL=OFF",
           "-DCMAKE_BUILD_TYPE=None", f"-DEDML_HARNESS={harness}",
+          f"-DEDML_FLAGS={';'.join(flags)}",
           f"-DCMAKE_PROJECT_INCLUDE={HARNESS / 'harness.cmake'}"])  # fmt: skip
     names = tests_of(folder)
-    step(["cc", "-O2", f"-DEDML_MUTANTS={most}", f"-I{unity_of(folder)}", "-c",
+    step(["cc", *flags, f"-DEDML_MUTANTS={most}", f"-I{unity_of(folder)}", "-c",
           HARNESS / "harness.c", "-o", harness])  # fmt: skip
-    for name in names:
-        (folder / "tests" / "unit" / name).unlink(missing_ok=True)  # to be linked with the harness
+    programs = {test: folder / "tests" / "unit" / test for test in names}
+    for program in programs.values():
+        program.unlink(missing_ok=True)  # to be linked with the harness
     step(["cmake", "--build", folder, "--parallel", str(os.cpu_count() or 1), "--target", *names])
-    return {name: folder / "tests" / "unit" / name for name in names}
+    return programs
 
 
 def step(command: Iterable[str | Path]) -> None:

@@ -41,7 +41,7 @@ def choose(args: argparse.Namespace) -> tuple[build.Numbered, frozenset[int], di
         if not chosen:
             raise ToolError(f"no mutants in {', '.join(args.file)}: name it as in lib/lift/mds.h")
         return build.sample(chosen, args.sample or len(chosen), args.seed), frozenset(), reasons
-    sampled = build.sample(mutants, args.sample or 1000, args.seed)
+    sampled = build.sample(mutants, args.sample or 800, args.seed)
     chosen = dict(sampled)
     for start in PARTS.values():
         part = {n: m for n, m in mutants.items() if m[0].startswith(start)}
@@ -59,13 +59,22 @@ def run_all(suite: Suite, mutants: build.Numbered) -> dict[int, str]:
         return {n: killer for n, killer in zip(numbers, progress, strict=True) if killer}
 
 
+def run_sanitized(mutants: build.Numbered) -> dict[int, str]:
+    """The same under the sanitizers, which are slow: for those that live without."""
+    if not mutants:
+        return {}
+    build.write_texts(mutants)
+    print(f"{len(mutants)} alive; building the tests under sanitizers", file=sys.stderr)
+    return run_all(Suite(build.build_tests("sanitized", build.SANITIZED, max(mutants))), mutants)
+
+
 def mutate(args: argparse.Namespace) -> Results:
     mutants, sampled, reasons = choose(args)
     alone = build.Alone()
     mutants = build.write_what_compiles(mutants, alone)
     print(f"{len(mutants)} mutants; building the tests", file=sys.stderr)
-    suite = Suite(build.build_tests(max(mutants)))
-    killers = run_all(suite, mutants)
+    killers = run_all(Suite(build.build_tests("plain", build.PLAIN, max(mutants))), mutants)
+    killers |= run_sanitized({n: m for n, m in mutants.items() if n not in killers})
     equivalent = {n: why for n, why in reasons.items() if n in mutants and n not in killers}
     left = [n for n in mutants if n not in killers and n not in equivalent]
     for number in tqdm(left, unit="mutant", desc="Comparing object code"):
@@ -91,8 +100,8 @@ def parse() -> argparse.Namespace:
         prog="mutate", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--file", action="append", help="of these files alone; may be repeated")
-    parser.add_argument("--sample", type=int, help="so many, of lib/ (1000) or of the files")
-    parser.add_argument("--dense", type=int, default=250, help="so many more of each part (250)")
+    parser.add_argument("--sample", type=int, help="so many, of lib/ (800) or of the files")
+    parser.add_argument("--dense", type=int, default=200, help="so many of each part (200)")
     parser.add_argument("--seed", type=int, default=1, help="of the samples (1)")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--update", action="store_true", help="write the tables of docs/mutation.md")
