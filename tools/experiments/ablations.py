@@ -115,7 +115,7 @@ class PartRun(Run):
         return lifter_losses(self.recipe, lift)
 
     def start(self) -> Params:
-        share = {"share": jnp.array(0.1)} if self.recipe.without == "gates" else {}
+        share = {"share": jnp.array(0.1, jnp.float32)} if self.recipe.without == "gates" else {}
         return super().start() | share
 
     def validate(self, columns: dict[str, Views], subject: np.ndarray) -> dict[str, float]:

@@ -39,7 +39,10 @@ def start(recipe: Recipe, joints: np.ndarray, views: Views, seed: int) -> Params
         return lifter.init(recipe.network, recipe.hidden, joints, inputs, seed)
     mean = np.asarray(jax_stages.edm_3d(joints)).mean(0)
     params = NETWORKS[recipe.network].init(mean, seed)
-    return params | ({"fusion": jax_stages.FUSION, "share": jnp.array(0.4)} if recipe.fuse else {})
+    if not recipe.fuse:
+        return params
+    share = jnp.array(0.4, jnp.float32)  # with its type: an epoch is compiled once
+    return params | {"fusion": jax_stages.FUSION, "share": share}
 
 
 # ---- The paper's networks ----------------------------------------------------------------------

@@ -41,9 +41,11 @@ class Run:
         if self.steps == 0:
             raise MocapError(f"{poses} poses do not fill a batch of {recipe.batch}")
         optimizer = make_optimizer(recipe, self.steps)
-        self.l2_epoch, self.pose_epoch = (
-            make_epoch(loss, recipe, optimizer) for loss in self.losses()
-        )
+        first, second = self.losses()
+        self.l2_epoch = make_epoch(first, recipe, optimizer)
+        self.pose_epoch = self.l2_epoch  # compiled once where the losses are the same
+        if second is not first:
+            self.pose_epoch = make_epoch(second, recipe, optimizer)
         params = self.start()
         self.carry = (params, params, optimizer.init(params))
         self.epoch = 0

@@ -25,6 +25,7 @@ from training.run import Run, split
 SHORT = Recipe(l2_epochs=2, pose_epochs=2, batch=50)
 
 
+@pytest.mark.slow
 def test_the_mds_is_the_references():
     distance = reference.distances(STANDING) * np.random.default_rng(1).uniform(0.8, 1.2, 91)
     mine = np.asarray(jax_stages.classical_mds(jnp.asarray(distance[None], jnp.float32)))[0]
@@ -32,6 +33,7 @@ def test_the_mds_is_the_references():
     assert np.allclose(reference.distances(mine), reference.distances(expected), atol=1e-5)
 
 
+@pytest.mark.slow
 def test_the_gradient_through_the_mds_is_the_slope():
     rng = np.random.default_rng(2)
     start = reference.distances(STANDING) * rng.uniform(0.9, 1.1, 91)
@@ -82,6 +84,7 @@ def test_other_motions_have_their_share():
     assert shares == pytest.approx([0.6, 0.2, 0.2], abs=0.08)
 
 
+@pytest.mark.slow
 def test_the_loss_falls_and_a_resumed_run_is_the_same(tmp_path):
     whole, losses = Run([people()], SHORT, 7), []
     while whole.epoch < whole.epochs:
@@ -123,6 +126,7 @@ def test_the_papers_recipe_is_the_papers():
     assert (paper.dropout, paper.rate, paper.drop_rate_at) == (0.5, 1e-3, 0.5)
 
 
+@pytest.mark.slow
 def test_muon_orthogonalises_the_steps_of_matrices_alone():
     """All singular values of a matrix's step are alike; a bias's is about Adam's."""
     rng = np.random.default_rng(6)
@@ -155,6 +159,7 @@ def test_epochs_are_scaled_to_a_total():
     assert scale_epochs(RECIPES["paper"], 7).epochs == 7
 
 
+@pytest.mark.slow
 def test_dropout_is_for_training_only():
     params = fconn.init(np.ones(91), 0)
     x = jnp.ones((3, 91))
@@ -163,6 +168,7 @@ def test_dropout_is_for_training_only():
     assert not np.array_equal(still, fconn.forward(params, x, jax.random.key(0), 0.5)[0])
 
 
+@pytest.mark.slow
 def test_fconv_drops_where_the_paper_does(monkeypatch):
     """Behind both poolings and the first deconvolution; here all, and the last bias is left."""
     shapes = []
@@ -184,6 +190,7 @@ def test_fconv_has_the_papers_parameters():
     assert sum(p.size for n, p in params.items() if not n.endswith(observed)) == 605825
 
 
+@pytest.mark.slow
 def test_the_convolutions_are_convolutions():
     rng = np.random.default_rng(0)
     layout = ("NHWC", "HWIO", "NHWC")
@@ -209,10 +216,12 @@ def test_the_convolutions_are_convolutions():
         assert np.allclose(fconv.deconv(x, w, size), expected, atol=1e-4)
 
 
-def test_fconv_normalises_by_the_batch_and_later_by_what_it_saw():
+@pytest.mark.slow
+def test_fconv_normalises_by_the_batch_and_later_by_what_it_saw(monkeypatch):
+    monkeypatch.setattr(fconv, "MOMENTUM", 0.5)
     params = fconv.init(np.ones(91), 0)
     edm = jnp.asarray(np.random.default_rng(1).uniform(0, 2, (40, 91)), jnp.float32)
-    for _ in range(1500):  # until the running means have forgotten where they began
+    for _ in range(25):  # until the running means have forgotten where they began
         by_batch, observed = batch_forward(params, edm)
         params |= observed
     assert set(observed) == {"bn1_mean", "bn1_variance", "bn2_mean", "bn2_variance"}
@@ -224,6 +233,7 @@ def batch_forward(params, edm):
     return fconv.forward(params, edm, None, 0.0)
 
 
+@pytest.mark.slow
 def test_fconvs_loss_falls():
     run = Run([people(100)], dataclasses.replace(SHORT, network="fconv"), 7)
     losses = [run.advance(run.draw(run.epoch)) for _ in range(4)]
@@ -262,6 +272,7 @@ def trained(folder: Path, recipe: str, *options: object) -> tuple[dict, dict, st
     return json.loads(out.with_suffix(".json").read_text()), arrays, done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", layout.KINDS)
 def test_the_command_trains_an_equivariant_network(tmp_path, kind):
     written, arrays, printed = trained(tmp_path, kind)
@@ -283,6 +294,7 @@ def test_the_command_trains_an_equivariant_network(tmp_path, kind):
     assert read.model == kind and read_settings(tmp_path / "net.json", read.needs)
 
 
+@pytest.mark.slow
 def test_the_command_trains_the_papers_network(tmp_path):
     written, arrays, _ = trained(tmp_path, "fconn")
     assert len(written["mirror"]) == 5 and 0 < written["fusion"]["share"] < 1
@@ -300,6 +312,7 @@ def test_pairs_are_row_by_row():
     assert list(zip(*PAIRS, strict=True))[:3] == [(0, 1), (0, 2), (0, 3)]
 
 
+@pytest.mark.slow
 def test_orienting_and_fusing_are_the_references():
     rng = np.random.default_rng(8)
     seen = views.draw_2d(people(60).joints, SHORT, rng)
@@ -321,6 +334,7 @@ def test_orienting_and_fusing_are_the_references():
         assert np.allclose(pose - pose.mean(0), right - right.mean(0), atol=1e-3)
 
 
+@pytest.mark.slow
 def test_the_fusion_is_trained_along():
     run = Run([people()], SHORT, 7)
     while run.epoch < run.epochs:
