@@ -8,6 +8,8 @@
 #   firmware_packages                  such pairs, for tools/reports/targets.py
 #   make_venv [NAME]                   build/venv by tools/requirements.txt; with a NAME build/venv-NAME
 #                                      by tools/requirements-NAME.txt.  Sets `venv`
+#   use_ccache                         compilers by ccache, where there is one: what was compiled before, by a
+#                                      test or in another run, is taken from build/ccache
 #   configure FOLDER [OPTION]...       cmake with Ninja where there is one
 #
 # PYTHON names another interpreter than the first suitable one on the path.
@@ -137,6 +139,17 @@ make_venv() {
 install_python() {
     "$venv/bin/python" -m pip --version || "$(find_python)" -m venv --clear "$venv" || return 1
     "$venv/bin/python" -m pip install --disable-pip-version-check -r "$1"
+}
+
+use_ccache() {
+    has ccache || return 0
+    export CCACHE_DIR=$root/build/ccache CCACHE_MAXSIZE=1G
+    local compiler links=$CCACHE_DIR/compilers
+    mkdir -p "$links"
+    for compiler in cc gcc c++ g++ clang clang++ arm-none-eabi-gcc riscv64-unknown-elf-gcc; do
+        if has "$compiler"; then ln -sf "$(command -v ccache)" "$links/$compiler"; fi
+    done
+    export PATH=$links:$PATH
 }
 
 configure() {

@@ -11,9 +11,9 @@ from builds import need, need_cross_compiler
 from reports.targets import (
     INCLUDES,
     ROOT,
-    SOURCES,
     TARGETS,
     ToolError,
+    compile_each,
     compiler,
     library_flags,
     run,
@@ -152,8 +152,9 @@ int main(void) {
 def linked_names(program: Path, folder: Path) -> set[str]:
     """Global names of a program with the library, less what the linker drops."""
     need("gcc")
-    flags = [*library_flags(), "-O1", f"-I{ROOT / 'include'}", f"-I{ROOT / 'lib'}"]
-    run("gcc", *flags, "-Wl,--gc-sections", program, *SOURCES, "-lm", "-o", folder / "program")
+    command = ["gcc", *library_flags(), "-O2", *INCLUDES]
+    objects = compile_each(command, folder)
+    run(*command, "-Wl,--gc-sections", program, *objects, "-lm", "-o", folder / "program")
     return {line.split()[-1] for line in run("nm", folder / "program").splitlines()}
 
 

@@ -7,6 +7,9 @@ from pathlib import Path
 
 import pytest
 from builds import need
+from support import need_library
+
+from edmlift._binding import default_path
 
 ROOT = Path(__file__).resolve().parents[2]
 LIB, INCLUDE, GEN = ROOT / "lib", ROOT / "include", ROOT / "gen"
@@ -230,6 +233,7 @@ def compile_unit(name: str, sources: list[Path], folder: Path, *options: str) ->
     return item
 
 
+@pytest.mark.slow
 def test_each_half_of_the_library_can_be_one_file(tmp_path: Path) -> None:
     """The float pipeline, the fixed-point one, and each network with its models; and they link."""
     units = {"float": float_sources(), "fixed": fixed_sources()}
@@ -251,12 +255,11 @@ def test_each_half_of_the_library_can_be_one_file(tmp_path: Path) -> None:
 # ---- Symbols -------------------------------------------------------------------------------------
 
 
-def test_a_shared_library_exports_the_public_names_and_no_others(tmp_path: Path) -> None:
-    need("gcc", "nm")
-    shared = tmp_path / "libedmlift.so"
-    command = ["gcc", "-std=c99", "-O0", "-fPIC", "-shared", *PATHS, *SOURCES, "-lm", "-o", shared]
-    subprocess.run([str(word) for word in command], check=True)
-    listing = ["nm", "-D", "--defined-only", str(shared)]
+@pytest.mark.slow
+def test_a_shared_library_exports_the_public_names_and_no_others() -> None:
+    need("nm")
+    need_library()
+    listing = ["nm", "-D", "--defined-only", str(default_path())]
     said = subprocess.run(listing, capture_output=True, text=True, check=True)
     exported = {line.split()[-1] for line in said.stdout.splitlines()}
     assert exported == set(public_functions()) | public_objects()
@@ -265,6 +268,7 @@ def test_a_shared_library_exports_the_public_names_and_no_others(tmp_path: Path)
 # ---- Generated headers ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", sorted(models_with_kernels()))
 def test_a_header_of_another_format_does_not_compile(model: str, tmp_path: Path) -> None:
     text = (GEN / f"{model}.h").read_text("utf-8")

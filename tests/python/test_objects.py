@@ -5,7 +5,7 @@ import re
 import pytest
 from builds import need, need_cross_compiler
 
-from reports.targets import INCLUDES, SOURCES, TARGETS, compiler, library_flags, run
+from reports.targets import INCLUDES, TARGETS, compile_each, compiler, library_flags, run
 
 # Arithmetic that a processor lacks: the compiler's own helpers.
 HELPERS = re.compile(r"__aeabi_\w+|__gnu_thumb1_\w+|__[a-z]+?([sd][if]){1,2}\d?")
@@ -25,12 +25,7 @@ def objects(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
         target = TARGETS[request.param]
         need_cross_compiler(target)
         prefix, command = target.system.cross, compiler(target, "-O2")
-    out = tmp_path_factory.mktemp("objects")
-    files = []
-    for source in SOURCES:
-        files.append(out / f"{len(files)}_{source.stem}.o")
-        run(*command, "-c", source, "-o", files[-1])
-    return prefix, files
+    return prefix, compile_each(command, tmp_path_factory.mktemp("objects"))
 
 
 def symbols(objects, kinds: str) -> set[str]:
@@ -39,6 +34,7 @@ def symbols(objects, kinds: str) -> set[str]:
     return {words[-1] for words in lines if words[-2] in kinds}
 
 
+@pytest.mark.slow
 def test_no_variable_memory(objects) -> None:
     """.data and .bss are empty, whatever the sections are called."""
     prefix, files = objects
@@ -53,11 +49,13 @@ def test_no_variable_memory(objects) -> None:
             assert int(data) == 0, file.name
 
 
+@pytest.mark.slow
 def test_nothing_is_asked_for_but_a_square_root_and_memory(objects) -> None:
     asked = symbols(objects, "U") - symbols(objects, "TRDBC")
     assert {name for name in asked - ALLOWED if not HELPERS.fullmatch(name)} == set()
 
 
+@pytest.mark.slow
 def test_every_global_name_has_the_prefix(objects) -> None:
     names = symbols(objects, "TRDBCVW")
     assert {name for name in names if not name.startswith("edml_")} == set()

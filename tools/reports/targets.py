@@ -16,6 +16,7 @@ from data.paths import LIB, ROOT
 SOURCES = sorted(LIB.rglob("*.c"))
 # Without FConv's megabytes, which take a third of the time to compile.
 SMALL_SOURCES = [source for source in SOURCES if not source.match("models/fconv_*.c")]
+WITHOUT_MODELS = [source for source in SOURCES if source.parent.name != "models"]
 INCLUDES = [f"-I{ROOT / 'include'}", f"-I{LIB}"]
 
 
@@ -117,14 +118,20 @@ def object_name(source: Path) -> str:
     return "_".join(source.relative_to(LIB).with_suffix(".o").parts)
 
 
+def compile_each(command: list[str], folder: Path, sources: list[Path] = SOURCES) -> list[Path]:
+    """The library's sources, each to an object file in a folder, by a compiler and its flags."""
+    objects = [folder / object_name(source) for source in sources]
+    for source, item in zip(sources, objects, strict=True):
+        run(*command, "-c", source, "-o", item)
+    return objects
+
+
 def compile_library(
     target: Target, level: str, folder: Path, sources: list[Path] = SOURCES
 ) -> list[Path]:
     """The library in a folder, as a file for the linker: an archive, of which a program links what
     it calls."""
-    objects = [folder / object_name(source) for source in sources]
-    for source, item in zip(sources, objects, strict=True):
-        run(*compiler(target, level), "-c", source, "-o", item)
+    objects = compile_each(compiler(target, level), folder, sources)
     archive = folder / "libedmlift.a"
     run(f"{target.system.cross}ar", "rcs", archive, *objects)
     return [archive]

@@ -19,13 +19,14 @@ import pytest
 from exports import MANIFEST, Net, export, make_net, refused
 from support import ROOT
 
+from export.build import FLAGS
 from export.cli import main
 from export.header import hex_float, write_header
 from export.layers import ExportError
 from export.readers import READERS, read_layers
 from export.settings import ModelSettings
 from model import constants
-from reports.targets import SOURCES
+from reports.targets import INCLUDES, WITHOUT_MODELS, compile_each, run
 
 LIB = ROOT / "lib"
 SHAPE = (91, 128, 128, 91)
@@ -632,9 +633,9 @@ def test_the_library_computes_the_network(tmp_path: Path) -> None:
     save_npz(tmp_path / "net.npz", net)
     export(tmp_path, tmp_path / "net.npz")
     (tmp_path / "main.c").write_text(NETWORK_C)
-    sources = [tmp_path / "main.c", *(s for s in SOURCES if s.parent.name != "models"), "-lm"]
-    paths = [f"-I{ROOT / 'lib'}", f"-I{ROOT / 'include'}", "-o", str(tmp_path / "main")]
-    subprocess.run(["gcc", "-std=c99", "-O2", *map(str, sources), *paths], check=True)
+    command = ["cc", *FLAGS, *INCLUDES]
+    objects = compile_each(command, tmp_path, WITHOUT_MODELS)
+    run(*command, tmp_path / "main.c", *objects, "-lm", "-o", tmp_path / "main")
     x = np.random.default_rng(3).uniform(0, 2, 91).astype(np.float32)
     result = subprocess.run([str(tmp_path / "main")], input=x.tobytes(), capture_output=True)
     assert result.returncode == 0

@@ -325,11 +325,10 @@ int main(void)
 def test_the_library_computes_the_network(folder, layers, calibration, edms, form):
     export(folder, form)
     (folder / "main.c").write_text(NETWORK_C.replace("FORM", form))
-    sources = [*(s for s in targets.SOURCES if s.parent.name != "models"), "-lm"]
-    paths = [f"-I{ROOT / 'lib'}", f"-I{ROOT / 'include'}", "-o", str(folder / "main")]
     checks = ["-fsanitize=undefined", "-fno-sanitize-recover=all"]
-    command = ["gcc", "-std=c99", "-O1", *checks, *paths, str(folder / "main.c")]
-    subprocess.run([*command, *map(str, sources)], check=True)
+    command = ["gcc", "-std=c99", "-O1", *checks, *targets.INCLUDES]
+    objects = targets.compile_each(command, folder, targets.WITHOUT_MODELS)
+    targets.run(*command, folder / "main.c", *objects, "-lm", "-o", folder / "main")
     highest = 127 << 24
     alternating = np.where(np.arange(91) % 2, highest, 0)
     extremes = [np.zeros(91), np.full(91, highest), np.full(91, 2**31 - 1), alternating]
