@@ -1,5 +1,6 @@
 """Puts tools/ on the path, as for its programs; and says what was skipped and why."""
 
+import os
 import sys
 from collections import Counter
 from pathlib import Path
@@ -9,6 +10,21 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 sys.path.insert(0, str(ROOT / "tests" / "python"))  # for the tests in folders
+
+# A test trains for a few steps, so that compiling them is nearly all that it does.  JAX compiles
+# fast instead of well, in a quarter of the time; and it keeps what it compiled for the tests and
+# programs that compile the same.
+os.environ.setdefault(
+    "XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+)
+os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(ROOT / "build" / "jax"))
+os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.2")
+
+# Compilers by ccache, as in tools/setup.sh, which makes the folder.
+CCACHE = ROOT / "build" / "ccache"
+if "CCACHE_DIR" not in os.environ and (CCACHE / "compilers").is_dir():
+    os.environ["CCACHE_DIR"] = str(CCACHE)
+    os.environ["PATH"] = f"{CCACHE / 'compilers'}{os.pathsep}{os.environ['PATH']}"
 
 from support import need_library  # noqa: E402
 
@@ -20,6 +36,15 @@ def library() -> Library:
     """The C library with its default model."""
     need_library()
     return Library()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Slow tests first, so that all cores are busy to the end; those of a file on one core, because
+    they share fixtures that are slow to make."""
+    items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+    for item in items:
+        if item.get_closest_marker("slow"):
+            item.add_marker(pytest.mark.xdist_group(item.path.name))
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

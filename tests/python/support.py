@@ -1,17 +1,21 @@
 """What tests share: where the data are, and skips that say where to get what is missing."""
 
 import ctypes
+import io
 import os
+import runpy
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 from builds import need
 
-from reports.targets import INCLUDES, SOURCES, library_flags
+from export.build import compile_shared
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples" / "data"
@@ -35,10 +39,19 @@ def need_motion(name: str) -> Path:
 
 
 def run_tool(program: str, *arguments: object) -> subprocess.CompletedProcess:
-    """A program of tools/, such as "evaluate.py", or one by the name that run.py gives it."""
+    """A program of tools/, such as "evaluate.py", or one by the name that run.py gives it.
+
+    It runs in this process, because to import what it needs takes longer than most tests.
+    """
     words = [program] if program.endswith(".py") else ["run.py", program]
-    command = [sys.executable, str(ROOT / "tools" / words[0]), *words[1:], *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    command = [str(ROOT / "tools" / words[0]), *words[1:], *map(str, arguments)]
+    out, err, status = io.StringIO(), io.StringIO(), None
+    with redirect_stdout(out), redirect_stderr(err), patch.object(sys, "argv", [*command]):
+        try:
+            runpy.run_path(command[0], run_name="__main__")
+        except SystemExit as end:
+            status = end.code
+    return subprocess.CompletedProcess(command, status or 0, out.getvalue(), err.getvalue())
 
 
 def read_joints(name: str, numbers: int) -> np.ndarray:
@@ -64,13 +77,10 @@ ROWS = 8  # EDML_ROWS
 
 def build_model(header: Path, *options: str) -> Path:
     """A shared library of the C library's sources and the model of a generated header."""
-    need("gcc")
-    model, shared = header.with_suffix(".c"), header.with_suffix(".so")
+    need("cc")
+    model = header.with_suffix(".c")
     model.write_text(f'#include "network/kernels.h"\n#include "{header.name}"\n{RUN_NETWORK}')
-    sources = [source for source in SOURCES if source.parent.name != "models"]
-    flags = ["gcc", *library_flags(), "-O2", "-fPIC", "-shared", *INCLUDES, *options]
-    subprocess.run([*flags, model, *sources, "-lm", "-o", shared], check=True)
-    return shared
+    return compile_shared(model, header.with_suffix(".so"), *options)
 
 
 def load_network(shared: Path, name: str, rows: int) -> Callable[[np.ndarray], np.ndarray]:

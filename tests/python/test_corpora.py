@@ -17,7 +17,7 @@ from reports.corpora import WAYS
 ROWS = 3000  # of a file; more than one batch of no program
 PAGE = (ROOT / "docs" / "corpora.md").read_text("utf-8")
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("corpora")]
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")

@@ -62,6 +62,7 @@ def table(text: str) -> np.ndarray:
     return np.array([[int(cell) for cell in row[:1] + row[2:]] for row in rows])
 
 
+@pytest.mark.slow
 def test_all_poses_are_lifted_and_both_models_agree(expected: dict[str, str]) -> None:
     """To 0.2 m, and in the mean to 4 cm."""
     ours, theirs = (table(text) for text in expected.values())
@@ -69,6 +70,7 @@ def test_all_poses_are_lifted_and_both_models_agree(expected: dict[str, str]) ->
     assert np.abs(ours - theirs).max() <= 200 and np.abs(ours - theirs).mean() <= 40
 
 
+@pytest.mark.slow
 def test_fixed_point_is_the_float_lift_of_the_same_model(
     tmp_path: Path, host: Path, expected: dict[str, str]
 ) -> None:
@@ -82,6 +84,7 @@ def test_fixed_point_is_the_float_lift_of_the_same_model(
     assert np.abs(table(run(program)) - table(expected["fixed"])).max() <= 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_a_core_prints_what_this_machine_prints(core, variant: str, expected) -> None:
     name, folder = core
@@ -89,6 +92,7 @@ def test_a_core_prints_what_this_machine_prints(core, variant: str, expected) ->
     assert emulate(image, TARGETS[name]) == expected[variant]
 
 
+@pytest.mark.slow
 def test_the_readme_shows_what_it_prints(expected: dict[str, str]) -> None:
     """But for what a new calibration of the model changes."""
     text = (EXAMPLE / "README.md").read_text("utf-8")
@@ -100,6 +104,7 @@ def test_the_readme_shows_what_it_prints(expected: dict[str, str]) -> None:
             assert abs(int(ours) - int(theirs)) <= 2
 
 
+@pytest.mark.slow
 def test_cmake_runs_it(expected: dict[str, str], core) -> None:
     _, folder = core
     said = run("cmake", "--build", folder, "--target", "run_fixed")
@@ -113,6 +118,7 @@ def float_code(image: Path, target: Target) -> set[str]:
     return {name for name in names if FLOAT_CODE.fullmatch(name)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("core", NO_FPU, indirect=True)
 def test_fixed_point_has_no_float_code(core) -> None:
     name, folder = core
@@ -122,6 +128,7 @@ def test_fixed_point_has_no_float_code(core) -> None:
     assert len(found) >= 8, "the test sees what the float variant has"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NO_FPU)
 def test_fconv_in_fixed_point_has_no_float_code(name: str, tmp_path: Path) -> None:
     target = TARGETS[name]
@@ -137,6 +144,7 @@ def test_fconv_in_fixed_point_has_no_float_code(name: str, tmp_path: Path) -> No
         assert (float_code(image, target) == set()) == fixed
 
 
+@pytest.mark.slow
 def test_vendored_with_its_makefile(tmp_path: Path, expected: dict[str, str]) -> None:
     need("make")
     need_core(TARGETS["cortex-m3"])

@@ -20,7 +20,7 @@ from channels import arduino, arduino_costs, boards
 from reports import markdown
 from reports.targets import TARGETS, ToolError, emulate, run
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("arduino")]  # images are built once
+pytestmark = pytest.mark.slow
 
 SKETCH = ROOT / arduino.EXAMPLE
 PAGE = ROOT / "docs" / "arduino.md"

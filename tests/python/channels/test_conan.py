@@ -33,6 +33,7 @@ def conan(checkout: Path, *arguments: str) -> str:
     return run(CONAN, *arguments, cwd=checkout, env=os.environ | home)
 
 
+@pytest.mark.slow
 def test_a_package_is_made_and_its_consumers_run(checkout: Path) -> None:
     """The project of tests/install, in C and C++; a debug build, which compiles fastest."""
     need("cmake", "make", "g++")

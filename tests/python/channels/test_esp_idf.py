@@ -15,7 +15,7 @@ from channels.stand_ins import Chip, Project
 from channels.version import version
 from reports.targets import ToolError, run
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("esp_idf")]  # built once a chip
+pytestmark = pytest.mark.slow
 COMPOTE = Path(sys.executable).with_name("compote")
 
 

@@ -24,7 +24,6 @@ from edmlift.formats import BY_IMAGE, BY_SQUARE, NOT_NORMALISED, find_format
 from reports import markdown
 from reports.targets import run
 
-pytestmark = pytest.mark.xdist_group("npm")  # which is built once
 ANSWER = ROOT / "tests" / "channels" / "npm" / "answer.mjs"
 SIZE = (1000, 800)  # of pictures, pixels
 UP = (0.1, -1.0, 0.2)
@@ -51,12 +50,14 @@ def project(tarball: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_the_tarball_has_the_same_bytes_each_time(tarball: Path, tmp_path: Path) -> None:
     (again,) = npm.build(tmp_path)
     assert again.name == tarball.name == f"edmlift-{version()}.tgz"
     assert again.read_bytes() == tarball.read_bytes()
 
 
+@pytest.mark.slow
 def test_the_tarball_has_what_npm_asks_for(tarball: Path) -> None:
     programs = [f"{model}{variant}.wasm" for model in npm.MODELS for variant in npm.VARIANTS]
     with tarfile.open(tarball) as archive:
@@ -68,12 +69,14 @@ def test_the_tarball_has_what_npm_asks_for(tarball: Path) -> None:
     assert {package["main"], package["types"]} <= {f"./{name}" for name in names}
 
 
+@pytest.mark.slow
 def test_a_page_loads_little(project: Path) -> None:
     for variant in npm.VARIANTS:
         program = project / "node_modules" / "edmlift" / f"direct_w8{variant}.wasm"
         assert npm_figures.gzipped(program) < W8_GZIPPED
 
 
+@pytest.mark.slow
 def test_the_page_says_how_large_models_are(project: Path) -> None:
     """Within 3 %, by which compilers differ."""
     folder = project / "node_modules" / "edmlift"
@@ -90,6 +93,7 @@ def read_count(text: str) -> int:
     return int(text.replace(",", ""))
 
 
+@pytest.mark.slow
 def test_the_page_shows_the_example_and_what_it_prints(tarball: Path) -> None:
     assert f"```js\n{npm.EXAMPLE.read_text('utf-8')}```" in npm.PAGE.read_text("utf-8")
     npm.check([tarball])
@@ -189,6 +193,7 @@ def as_objects(keypoints: np.ndarray, *names: str) -> list[dict[str, float]]:
     return [dict(zip(names, keypoint, strict=True)) for keypoint in keypoints.tolist()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("variant", npm.VARIANTS)
 def test_every_model_has_the_bits_of_the_library(variant: str, project: Path) -> None:
     need_library()
@@ -219,6 +224,7 @@ OPTIONS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", OPTIONS, ids=lambda options: "-".join(options) or "plain")
 def test_every_format_is_read_as_in_python(options: dict[str, Any], project: Path) -> None:
     need_library()
@@ -239,6 +245,7 @@ def test_every_format_is_read_as_in_python(options: dict[str, Any], project: Pat
             assert_pose(next(remaining), wanted, n)
 
 
+@pytest.mark.slow
 def test_keypoints_in_every_form(project: Path) -> None:
     need_library()
     keypoints, square = (
@@ -270,6 +277,7 @@ def test_keypoints_in_every_form(project: Path) -> None:
     assert answers[10]["seen"].count(False) >= 1
 
 
+@pytest.mark.slow
 def test_angles(project: Path) -> None:
     need_library()
     joints = some_joints(24)
@@ -291,6 +299,7 @@ TRACKS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "options"), TRACKS)
 def test_a_track(name: str, options: dict[str, Any], project: Path) -> None:
     """With a frame that is empty, of exchanged sides, of another person ...; frames without
@@ -339,6 +348,7 @@ def union(name: str) -> set[str]:
     return set(re.findall(r'"(\w+)"', re.search(rf"type {name} =(.*?);", text, re.S)[1]))
 
 
+@pytest.mark.slow
 def test_names_are_those_of_the_library(project: Path) -> None:
     need_library()
     ((names,),) = ask(project, ({}, [["names"]]))
@@ -400,6 +410,7 @@ WRONG_CALLS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_wrong_calls_are_told_what_is_wrong(project: Path) -> None:
     (answers,) = ask(project, ({}, [call for call, _ in WRONG_CALLS]))
     for (call, pattern), found in zip(WRONG_CALLS, answers, strict=True):
@@ -426,6 +437,7 @@ def served(project: Path) -> Iterator[str]:
         server.shutdown()
 
 
+@pytest.mark.slow
 def test_a_model_is_loaded_from_everywhere(project: Path, served: str) -> None:
     file = project / "node_modules" / "edmlift" / "distances_w16.wasm"
     places = [str(file), file.as_uri(), f"{served}/node_modules/edmlift/distances_w16.wasm"]
@@ -433,6 +445,7 @@ def test_a_model_is_loaded_from_everywhere(project: Path, served: str) -> None:
         assert found["model"] == "distances_w16"
 
 
+@pytest.mark.slow
 def test_wrong_files_are_told_what_is_wrong(project: Path, served: str) -> None:
     program = project / "node_modules" / "edmlift" / "direct_w8.wasm"
     damaged = bytearray(program.read_bytes())

@@ -63,12 +63,14 @@ def bits(part: int, folder: Path, *objects: Path) -> str:
     return run(folder / "bits")
 
 
+@pytest.mark.slow
 def test_all_parts_as_c99_give_the_same_bits(everything: Path, tmp_path: Path) -> None:
     """FConv's kernels, which bits.c runs as well, come from the library."""
     one = compile_file(everything, "gcc -std=c99 -pedantic -O1", tmp_path / "one.o")
     assert bits(26, tmp_path, one, *(LIB / "network").glob("fconv_*.c")) == MOST_BITS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command", ["g++ -x c++ -std=c++11 -O1", "clang -std=gnu11 -O1 -march=native"]
 )
@@ -76,6 +78,7 @@ def test_cpp_and_clang_give_the_same_bits(command: str, direct: Path, tmp_path: 
     assert bits(2, tmp_path, compile_file(direct, command, tmp_path / "one.o")) == DIRECT_BITS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("core", ["cortex-m4f", "rv32imc"])
 def test_a_core_gives_the_same_bits(core: str, direct: Path, tmp_path: Path) -> None:
     assert run_firmware(PROGRAM, TARGETS[core], tmp_path, [direct], "-DPARTS=2") == DIRECT_BITS
@@ -84,6 +87,7 @@ def test_a_core_gives_the_same_bits(core: str, direct: Path, tmp_path: Path) -> 
 # ---- As what it compiles, and what is in it ------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["clang++ -x c++ -std=c++20 -pedantic", "gcc -std=c11"])
 def test_all_parts_compile_without_a_warning(command: str, everything: Path) -> None:
     program, *options = command.split()
@@ -99,6 +103,7 @@ def declared(header: Path) -> set[str]:
     return {*functions, *re.findall(r"\b(edml_\w+)(?=[\[,;])", objects)}
 
 
+@pytest.mark.slow
 def test_only_what_was_asked_for_is_there(tmp_path: Path) -> None:
     """Functions of the stages are internal; fixed point asks for nothing, not even for a root."""
     need("gcc", "nm")
@@ -128,6 +133,7 @@ def test_a_part_alone_declares_its_header_and_compiles(part: str, tmp_path: Path
     run("gcc", "-std=c99", *WARNINGS, "-fsyntax-only", tmp_path / "edmlift.c")
 
 
+@pytest.mark.slow
 def test_fixed_point_has_no_float(tmp_path: Path) -> None:
     """On a core without an FPU, where floats are functions of the compiler."""
     target = TARGETS["cortex-m0plus"]
@@ -139,6 +145,7 @@ def test_fixed_point_has_no_float(tmp_path: Path) -> None:
     assert not [name for name in asked if re.match(r"__aeabi_[fd]|sqrtf", name)]
 
 
+@pytest.mark.slow
 def test_a_network_of_distances_lifts_in_one_arithmetic(tmp_path: Path) -> None:
     """Its model names what the other lift has: nothing, in this file."""
     amalgamate(["fconn_w8"], ["float"], tmp_path)
@@ -149,6 +156,7 @@ def test_a_network_of_distances_lifts_in_one_arithmetic(tmp_path: Path) -> None:
     assert run(program) == one_file.SAYS
 
 
+@pytest.mark.slow
 def test_flash_is_that_of_many_files_and_of_the_page() -> None:
     need_cross_compiler(TARGETS[one_file_sizes.CORE])
     size = one_file_sizes.measure("direct_w8", ["float"])
@@ -176,12 +184,14 @@ def test_what_stands_on_top(direct: Path) -> None:
         assert f"/* ---- {name} ---- */" in text and (ROOT / name).exists()
 
 
+@pytest.mark.slow
 def test_nothing_includes_the_repository_s_files(everything: Path) -> None:
     for file in (everything, everything.with_suffix(".h")):
         included = set(re.findall(r'^\s*#\s*include "(.*)"', file.read_text("utf-8"), re.M))
         assert included <= {"edmlift.h"}
 
 
+@pytest.mark.slow
 def test_all_sources_are_there_with_all_parts(everything: Path) -> None:
     """But for the networks that were not asked for."""
     there = {source.path for source in choose(DIRECT + OTHERS, ["all"]).sources()}
@@ -195,6 +205,7 @@ def run_tool(*arguments: object, **environment: str) -> subprocess.CompletedProc
     return subprocess.run(command, capture_output=True, text=True, check=False, env=variables)
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_same_bytes_each_time(tmp_path: Path) -> None:
     one, two = tmp_path / "new" / "one", tmp_path / "two"
     said = run_tool("direct_w8", "--parts", "all", "-o", one, PYTHONHASHSEED="1")
@@ -231,6 +242,7 @@ def test_what_is_not_there_is_said(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_a_folder_that_cannot_be_written_is_said(tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.write_text("")
@@ -249,6 +261,7 @@ def archive(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return one_file.build(tmp_path)[0]
 
 
+@pytest.mark.slow
 def test_the_archive_has_a_file_that_lifts(archive: Path, tmp_path: Path) -> None:
     assert archive.name == f"edmlift-{version()}-one-file.zip"
     with zipfile.ZipFile(archive) as files:
@@ -259,6 +272,7 @@ def test_the_archive_has_a_file_that_lifts(archive: Path, tmp_path: Path) -> Non
     one_file.check([archive])
 
 
+@pytest.mark.slow
 def test_a_file_that_does_not_lift_is_found(archive: Path, tmp_path: Path) -> None:
     source = f"{archive.stem}/direct_w8/edmlift.c"
     with zipfile.ZipFile(archive) as files:

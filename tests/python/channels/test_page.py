@@ -34,7 +34,6 @@ from edmlift.joints import JOINTS
 from reports.browser import Page, find_browser
 from reports.targets import ToolError
 
-pytestmark = pytest.mark.xdist_group("page")  # one browser, and one page that is served
 LIMIT = 300_000  # bytes of a page without detectors, over the network
 USED = {name: DETECTORS[name] for name in ("blazepose-lite", "movenet-lightning")}
 AXE = Package(
@@ -178,6 +177,7 @@ def problem(page: Page) -> str:
 # ---- What it consists of -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_it_loads_little(browser: Page, folder: Path, address: str):
     """Over the network, and by count."""
     browser.visit(address)
@@ -187,6 +187,7 @@ def test_it_loads_little(browser: Page, folder: Path, address: str):
     assert not [url for url in browser.requests if "/detectors/files/" in url]
 
 
+@pytest.mark.slow
 def test_the_folder_has_what_is_listed(folder: Path):
     listed = json.loads((folder / "files.json").read_text("utf-8"))
     assert listed["version"] == version() and listed["models"][0] == "direct_w16"
@@ -201,6 +202,7 @@ def test_the_folder_has_what_is_listed(folder: Path):
     )
 
 
+@pytest.mark.slow
 def test_the_docs_have_its_figures(folder: Path):
     docs = (ROOT / "docs" / "browser.md").read_text("utf-8")
     found = re.search(r"The page loads (\d+) KB \(gzip; (\d+) KB unpacked\)", docs)
@@ -218,6 +220,7 @@ def test_the_docs_have_its_figures(folder: Path):
         assert re.search(rf"^\| {row} \| {round(size / 1e6)}\D", docs, re.M), size
 
 
+@pytest.mark.slow
 def test_the_policy_is_said_alike(folder: Path):
     html = (folder / "index.html").read_text("utf-8")
     (meta,) = re.findall(r'http-equiv="Content-Security-Policy" content="([^"]*)"', html)
@@ -226,6 +229,7 @@ def test_the_policy_is_said_alike(folder: Path):
     assert f"\nContent-Security-Policy: {POLICY}\n" in docs
 
 
+@pytest.mark.slow
 def test_every_script_is_loaded_or_a_worker(folder: Path):
     """What main.js imports, from file to file."""
     scripts = {p.name: p.read_text("utf-8") for p in pages.SOURCES.rglob("*.js")}
@@ -248,6 +252,7 @@ def test_the_release_has_the_same_bytes_each_time(tmp_path: Path, monkeypatch: p
     assert not [name for name in names if name.startswith(pages.FILES)]
 
 
+@pytest.mark.slow
 def test_the_body_is_that_of_the_pictures(page: Page):
     body = page.evaluate("import('./body.js').then(module => module.BODY)")
     assert sorted(map(tuple, body["bones"])) == sorted(DRAWN)
@@ -260,6 +265,7 @@ def samples(page: Page) -> dict[str, np.ndarray]:
     return {name: np.array(points) for name, points in found.items()}
 
 
+@pytest.mark.slow
 def test_the_samples_are_examples(page: Page):
     known = [
         np.loadtxt(EXAMPLES / f"{name}.csv", delimiter=",", ndmin=2).reshape(-1, 14, 3)[..., :2]
@@ -269,6 +275,7 @@ def test_the_samples_are_examples(page: Page):
         assert (np.concatenate(known) == points).all((1, 2)).any()
 
 
+@pytest.mark.slow
 def test_crops_are_those_of_the_tools(page: Page):
     rng = np.random.default_rng(1)
     cases = []
@@ -287,6 +294,7 @@ def test_crops_are_those_of_the_tools(page: Page):
 # ---- Joints that are dragged -------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_poses_have_the_bits_of_the_library(page: Page):
     need_library()
     models = ("direct_w16", "distances_w8", "direct_f32")
@@ -307,6 +315,7 @@ def place(page: Page, joint: int) -> tuple[float, float]:
     return box["x"] + x, box["y"] + y
 
 
+@pytest.mark.slow
 def test_a_joint_is_dragged(page: Page):
     wrist = JOINTS.index("left_wrist")
     before, pose_before = page.evaluate("edmliftPage.joints()"), pose(page)
@@ -327,6 +336,7 @@ def test_a_joint_is_dragged(page: Page):
     assert (x, y) == pytest.approx((box["right"] - 8, box["bottom"] - 8), abs=1)
 
 
+@pytest.mark.slow
 def test_a_joint_is_moved_and_hidden_by_keys(page: Page):
     knee = JOINTS.index("right_knee")
     page.evaluate(f"document.querySelectorAll('#joints button')[{knee}].focus()")
@@ -354,6 +364,7 @@ def test_a_joint_is_moved_and_hidden_by_keys(page: Page):
     assert not pose(page)["seen"][knee]  # a double click
 
 
+@pytest.mark.slow
 def test_too_few_joints_are_refused(page: Page):
     for joint in range(5):
         page.evaluate(f"document.querySelectorAll('#joints button')[{joint + 9}].focus()")
@@ -366,6 +377,7 @@ def test_too_few_joints_are_refused(page: Page):
     assert state(page)["status"] == "ok" and text(page, "#refusal") == ""
 
 
+@pytest.mark.slow
 def test_numbers_are_those_of_the_pose(page: Page):
     need_library()
     choose(page, "#sample", "arms out")
@@ -387,6 +399,7 @@ def test_numbers_are_those_of_the_pose(page: Page):
     assert 0 < state(page)["liftMs"] < 50
 
 
+@pytest.mark.slow
 def test_where_up_is_changes_the_pose(page: Page):
     before = pose(page)["joints"]
     page.click("#level")
@@ -395,6 +408,7 @@ def test_where_up_is_changes_the_pose(page: Page):
     assert pose(page)["joints"] == before
 
 
+@pytest.mark.slow
 def test_a_model_that_cannot_be_loaded(page: Page, folder: Path):
     hidden = folder / "lift" / "distances_f32.wasm"
     hidden.rename(hidden.with_suffix(".away"))
@@ -410,6 +424,7 @@ def test_a_model_that_cannot_be_loaded(page: Page, folder: Path):
 # ---- The figure --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_figure_turns(page: Page):
     x, y = page.middle("#figure")
     page.drag((x, y), (-60, 20))
@@ -428,6 +443,7 @@ def test_the_figure_turns(page: Page):
     assert state(page)["zoom"] == 1
 
 
+@pytest.mark.slow
 def test_fingers(page: Page):
     """A joint is dragged, and the figure turned, on a phone; the page does not scroll meanwhile."""
     page.resize(360, 740, 2, mobile=True)
@@ -479,6 +495,7 @@ def forget_gpu_messages(page: Page) -> None:
     page.errors[:] = [e for e in page.errors if not any(word in e for word in words)]
 
 
+@pytest.mark.slow
 def test_the_camera_is_lifted(page: Page, address: str):
     start_camera(page)
     seen = []
@@ -498,6 +515,7 @@ def test_the_camera_is_lifted(page: Page, address: str):
     assert_all_from(page, address)
 
 
+@pytest.mark.slow
 def test_blazepose_is_lifted(page: Page, address: str):
     """After MoveNet, while the camera goes on."""
     start_camera(page)
@@ -512,6 +530,7 @@ def test_blazepose_is_lifted(page: Page, address: str):
     assert_a_walking_woman(found)
 
 
+@pytest.mark.slow
 def test_a_reader_who_does_not_wait(page: Page):
     """Goes on to something else while a detector is started."""
     go_to(page, "camera")
@@ -530,6 +549,7 @@ def test_a_reader_who_does_not_wait(page: Page):
     forget_gpu_messages(page)
 
 
+@pytest.mark.slow
 def test_a_video_is_lifted(page: Page, video: Path):
     go_to(page, "video")
     choose(page, "#detector", "movenet-lightning")
@@ -576,6 +596,7 @@ def seek(page: Page, seconds: float) -> None:
     page.until(f"Math.abs(edmliftPage.state().time - {1000 * seconds}) < 40")
 
 
+@pytest.mark.slow
 def test_a_file_that_is_no_video(page: Page, tmp_path: Path):
     (tmp_path / "notes.mp4").write_text("no video")
     go_to(page, "video")
@@ -586,6 +607,7 @@ def test_a_file_that_is_no_video(page: Page, tmp_path: Path):
     page.errors[:] = [error for error in page.errors if "ERR_FILE_NOT_FOUND" not in error]
 
 
+@pytest.mark.slow
 def test_a_camera_that_is_not_allowed(page: Page):
     page.allow_camera(False)
     go_to(page, "camera")
@@ -595,6 +617,7 @@ def test_a_camera_that_is_not_allowed(page: Page):
     assert text(page, "#start") == "Start the camera"
 
 
+@pytest.mark.slow
 def test_cameras_that_do_not_start(page: Page):
     go_to(page, "camera")
     choose(page, "#detector", "movenet-lightning")
@@ -612,6 +635,7 @@ def test_cameras_that_do_not_start(page: Page):
         page.until(f"document.querySelector('#problem').textContent.startsWith({said!r})")
 
 
+@pytest.mark.slow
 def test_a_browser_without_webgl(page: Page):
     page.evaluate("HTMLCanvasElement.prototype.getContext = (old => function (kind, ...rest) {"
                   "return kind === 'webgl2' ? null : old.call(this, kind, ...rest); })"
@@ -623,6 +647,7 @@ def test_a_browser_without_webgl(page: Page):
     assert problem(page).startswith(said)
 
 
+@pytest.mark.slow
 def test_a_browser_without_webassembly(browser: Page, address: str):
     number = browser.before_scripts("delete globalThis.WebAssembly")
     try:
@@ -633,6 +658,7 @@ def test_a_browser_without_webassembly(browser: Page, address: str):
     browser.errors.clear()
 
 
+@pytest.mark.slow
 def test_a_page_without_a_detector(browser: Page, tmp_path: Path):
     with served(web.make_page({}, tmp_path / "page")) as address:
         browser.visit(address)
@@ -644,6 +670,7 @@ def test_a_page_without_a_detector(browser: Page, tmp_path: Path):
 # ---- Without a network, and nothing to it ------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_it_works_without_a_network(browser: Page, folder: Path):
     """Once it was loaded, with what was used; the rest is said to be missing."""
     browser.errors.clear()
@@ -670,6 +697,7 @@ def test_it_works_without_a_network(browser: Page, folder: Path):
     browser.errors.clear()
 
 
+@pytest.mark.slow
 def test_the_policy_holds(page: Page, address: str):
     """Neither the page nor a worker of it gets past it."""
     fetched = "fetch('https://example.invalid/').then(() => 'got', () => 'refused')"
@@ -699,6 +727,7 @@ def axe() -> str:
     return (packages / AXE.full_name / "axe.min.js").read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_axe_finds_nothing(page: Page, axe: str):
     page.evaluate(axe + "; true")
     for scheme, size in (("light", (1280, 800)), ("dark", (360, 740))):
@@ -714,6 +743,7 @@ def test_axe_finds_nothing(page: Page, axe: str):
             assert found == [], (scheme, size, source)
 
 
+@pytest.mark.slow
 def test_tab_reaches_everything_and_shows_where(page: Page):
     reached = []
     for _ in range(60):
@@ -734,6 +764,7 @@ def test_tab_reaches_everything_and_shows_where(page: Page):
     assert sum(": " in name for name in reached) == 14
 
 
+@pytest.mark.slow
 def test_it_fits_the_screen(page: Page):
     for size in ((1280, 800), (1024, 768), (740, 360), (360, 740), (320, 568)):
         fits(page, size)
@@ -767,6 +798,7 @@ def run_web(*options: object, **settings: Any) -> subprocess.CompletedProcess[st
     )
 
 
+@pytest.mark.slow
 def test_a_page_is_exported(folder: Path, tmp_path: Path):
     """`folder`: what it needs is built."""
     out = tmp_path / "page"
@@ -798,6 +830,7 @@ def test_without_a_network_for_npm(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert str(said.value).endswith("\nThe page works without: --no-detector")
 
 
+@pytest.mark.slow
 def test_wrong_options(folder: Path):
     done = run_web("--detectors", "openpose")
     assert done.returncode == 2
@@ -808,6 +841,7 @@ def test_wrong_options(folder: Path):
     assert done.returncode == 1 and f"port {port} cannot be used" in done.stderr
 
 
+@pytest.mark.slow
 def test_the_server_gives_its_folder_alone(folder: Path, address: str):
     port = int(address.rstrip("/").rpartition(":")[2])
     for path, wanted in (("/../web.py", 404), ("/%2e%2e/%2e%2e/x", 404), ("/lift", 404),
@@ -817,6 +851,7 @@ def test_the_server_gives_its_folder_alone(folder: Path, address: str):
             assert f" {wanted} ".encode() in connection.recv(100), path
 
 
+@pytest.mark.slow
 def test_other_bytes_are_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     package = packages_of(DETECTORS.values())[0]
     archive = tmp_path / "x.tgz"

@@ -21,7 +21,7 @@ from channels.version import version
 from edmlift.library import Library
 from reports.targets import ToolError, run
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("wheels")]  # which are built once
+pytestmark = pytest.mark.slow
 
 WALK = read_joints("walk", 3)
 HOST, CROSS = wheel_checks.host(), "linux_aarch64"

@@ -11,7 +11,7 @@ from support import ROOT
 from channels import zephyr
 from channels.stand_ins import Chip, Project
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("zephyr")]  # built once a chip
+pytestmark = pytest.mark.slow
 MAIN = zephyr.SAMPLE / "src" / "main.c"
 
 

@@ -614,6 +614,7 @@ def of_trial(motion: Motion, subject: int, trial: int) -> tuple[np.ndarray, np.n
     return motion.joints[here], motion.frame[here]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("subject", "file"), [(16, TRAIN), (2, TEST)])
 def test_raw_trials_reproduce_the_npz(subject: int, file: str):
     known = mocap.load_motion(need_motion(file))

@@ -34,6 +34,7 @@ def test_the_constants_and_their_errors_are_the_scripts():
     assert all(abs(value) < 1.5 for value in found.values())  # as adapt.h's ranges say
 
 
+@pytest.mark.slow
 def test_the_costs_are_those_of_the_page_and_the_readme(library: Library):
     figures = adapters.evaluate(library, load_motion(need_motion(TEST)))
     assert markdown.read(PAGE, "adapters") == adapters.report(figures)

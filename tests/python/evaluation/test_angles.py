@@ -125,6 +125,7 @@ def test_all_angles_are_told_right_and_left_together(truth):
     assert np.isfinite(off["shoulder elevation"]).all() and np.isfinite(off["heading"]).all()
 
 
+@pytest.mark.slow
 def test_the_angles_of_the_page_are_measured():
     motions = {Path(name).stem: load_motion(need_motion(name)) for name in (TEST, OTHERS_TEST)}
     need_library()

@@ -49,6 +49,7 @@ def found() -> fit_body.Constants:
     return fit_body.fit(lifters, [load_motion(need_motion(n)) for n in (TRAIN, OTHERS_TRAIN)])
 
 
+@pytest.mark.slow
 def test_sizes_are_the_scripts(found: fit_body.Constants):
     numbers = [float(n) for n in re.findall(r"REAL\((0\.\d{3}|1\.0)\)", text_of("body.h"))]
     assert numbers[:14] == [found.shares[kind] for kind in TYPE] + [1.0]
@@ -57,6 +58,7 @@ def test_sizes_are_the_scripts(found: fit_body.Constants):
     assert number("ANKLE_HEIGHT") == found.ankle
 
 
+@pytest.mark.slow
 def test_the_model_of_quality_is_the_scripts(found: fit_body.Constants):
     pairs = re.findall(r"\{REAL\((.{4})\), REAL\((.{4})\)\}", text_of("quality.h"))
     assert [tuple(map(float, p)) for p in pairs] == [found.bone_range[kind] for kind in TYPE]
@@ -67,12 +69,14 @@ def test_the_model_of_quality_is_the_scripts(found: fit_body.Constants):
         assert number(macro) == fit_body.CLAMPS[name], name
 
 
+@pytest.mark.slow
 def test_nine_of_ten_training_poses_above_nine_tenths_are_good(found: fit_body.Constants):
     """With bodies that the networks do not know, for each model and laboratory."""
     assert len(found.kept) == 4
     assert all(share > 0.3 and good >= 0.9 for share, good in found.kept.values())
 
 
+@pytest.mark.slow
 def test_errors_of_joints_are_the_scripts(found: fit_body.Constants):
     rows = re.findall(r"^static const joint_error (\w+) = (.*);", text_of("uncertainty.c"), re.M)
     assert [name for name, _ in rows] == list(fit_body.JOINT_TYPE)
@@ -87,6 +91,7 @@ def tables() -> dict[str, str]:
     return body.evaluate(body.MODELS, motions)
 
 
+@pytest.mark.slow
 def test_tables_are_those_of_the_page(tables: dict[str, str]):
     assert set(tables) == {"sizes", "partial", *QUALITIES}
     for name, text in tables.items():
@@ -106,6 +111,7 @@ def sets_of(text: str) -> list[str]:
     return text.split("**\n\n")[1:]
 
 
+@pytest.mark.slow
 def test_knowing_the_person_helps(tables: dict[str, str]):
     for table in sets_of(tables["sizes"]):
         nothing = np.array(row_of(table, "nothing"))
@@ -113,6 +119,7 @@ def test_knowing_the_person_helps(tables: dict[str, str]):
         assert (np.array(row_of(table, body.MATRIX)) > row_of(table, "bones")).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", body.MODELS)
 def test_nine_of_ten_poses_above_nine_tenths_are_good(tables: dict[str, str], model: str):
     quality = sets_of(tables[f"quality_{model}"])

@@ -157,6 +157,7 @@ def test_angles_and_rotations():
     np.testing.assert_allclose(camera.angle_between(quarter, np.eye(3)[None]), 90)
 
 
+@pytest.mark.slow
 def test_the_tables_are_those_of_the_page(library):
     figures = camera.evaluate(library, load_motion(need_motion(TEST)))
     table = camera.report(figures)

@@ -28,6 +28,7 @@ def test_a_sample_is_within_a_hundredth_of_a_millimetre():
         assert 0 < mean < 0.002 and mean < most <= worst < 0.05
 
 
+@pytest.mark.slow
 def test_the_page_says_what_is_measured():
     found = {
         Path(name).stem: eigenpairs.evaluate("distances_f32", load_motion(need_motion(name)))

@@ -464,6 +464,7 @@ def test_one_command_prints_the_table(files, tmp_path):
     assert set(load_motion(tmp_path / "train.npz").subject) == people
 
 
+@pytest.mark.slow
 def test_training_uses_the_training_people(files, tmp_path):
     done = command(*options_of(files), "--train", "--epochs", 1, "--out", tmp_path)
     assert done.returncode == 0, done.stderr

@@ -248,6 +248,7 @@ def test_what_must_hold_of_a_detectors_keypoints(name):
     assert all(tracked >= alone - 0.75 for alone, tracked in pairs("mirror right, %")[1:])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name, source", [("video15", TEST), ("video30", "cmu_raw/subjects/02")])
 def test_the_table_is_what_is_measured(name, source, library):
     motion = video.load_video(need_motion(source), 30)

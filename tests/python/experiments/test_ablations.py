@@ -39,6 +39,7 @@ def lifted(recipe: ablations.Part, params: loss.Params, views: Views) -> np.ndar
     return np.asarray(ablations.lift(recipe, params, views)[0])
 
 
+@pytest.mark.slow
 def test_with_all_its_parts_it_is_the_lift_of_training():
     for kind in ("distances", "direct"):
         recipe = recipe_without(kind, "")
@@ -48,6 +49,7 @@ def test_with_all_its_parts_it_is_the_lift_of_training():
         assert np.array_equal(lifted(recipe, run.params, views), expected)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "name"),
     [(kind, name) for kind in ("distances", "direct") for name in ("frame", "gates", "mask")]
@@ -106,6 +108,7 @@ def short(monkeypatch):
     return run
 
 
+@pytest.mark.slow
 def test_the_command_trains_measures_and_writes_a_table_a_motion(tmp_path, short):
     motions = [write_motion(tmp_path / f"{n}.npz", people(c)) for n, c in (("a", 400), ("b", 120))]
     page, results = tmp_path / "page.md", tmp_path / "results.json"

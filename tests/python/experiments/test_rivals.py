@@ -31,6 +31,7 @@ def upright(keypoints: np.ndarray) -> jax_stages.Image:
     return jax_stages.body_frame(jnp.asarray(keypoints), imputation_of(PLAIN), upright=True)
 
 
+@pytest.mark.slow
 def test_the_input_is_the_image_as_it_is_with_missing_joints_imputed():
     keypoints = views().keypoints
     image = upright(keypoints)
@@ -56,6 +57,7 @@ def test_neither_size_nor_place_nor_a_joint_that_is_not_seen_matters():
     assert np.allclose(given, moved, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_rivals_have_the_parameters_that_they_are_named_for():
     sizes = {}
     for name, recipe in rivals.RIVALS.items():
@@ -103,6 +105,7 @@ def test_dropout_is_for_training_only():
     assert np.allclose(still, coordinates.forward(params, x, True, used)[0], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_the_equivariant_one_treats_left_and_right_alike_and_the_plain_one_does_not():
     keypoints = views(60).keypoints
     mirrored = keypoints[:, MIRROR] * [-1, 1, 1] + [1000, 0, 0] * (keypoints[:, MIRROR, 2:] > 0)
@@ -115,6 +118,7 @@ def test_the_equivariant_one_treats_left_and_right_alike_and_the_plain_one_does_
     assert off["equivariant"] < 1e-4 and off["plain"] > 0.01
 
 
+@pytest.mark.slow
 def test_the_equivariant_one_uses_neither_gates_nor_up():
     """So those weights are not counted: they stay as they were."""
     run = rivals.RivalRun([people()], ALIKE, 7)
@@ -129,6 +133,7 @@ def test_the_equivariant_one_uses_neither_gates_nor_up():
     assert not any(moved[name].any() for name in ("fusion", "mean", "spread"))
 
 
+@pytest.mark.slow
 @SMALL
 def test_the_loss_falls_and_a_resumed_run_is_the_same(tmp_path, recipe):
     whole, losses = rivals.RivalRun([people()], recipe, 7), []
@@ -157,6 +162,7 @@ def test_a_state_of_another_recipe_or_motion_is_refused(tmp_path):
             other.load_state(tmp_path / "a.state")
 
 
+@pytest.mark.slow
 def test_a_lifter_has_the_averaged_weights_and_their_own_normalisation():
     run = rivals.RivalRun([people()], RESIDUAL, 7)
     for epoch in range(3):
@@ -181,6 +187,7 @@ def test_a_lifter_has_the_averaged_weights_and_their_own_normalisation():
     assert np.allclose(lifter.statistics[0][1], first.var(0), rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_errors_are_aligned_and_in_the_cameras_axes():
     run = rivals.RivalRun([people()], PLAIN, 7)
     seen = views(30)
@@ -207,6 +214,7 @@ def files(tmp_path) -> tuple[Path, ...]:
     return tuple(write_motion(tmp_path / f"{n}.npz", people(c)) for n, c in counts.items())
 
 
+@pytest.mark.slow
 def test_the_command_adds_rivals_to_the_json(tmp_path, files):
     results = tmp_path / "rivals.json"
     options = ("--epochs", 2, "--out", tmp_path / "runs", "--json", results)
@@ -232,6 +240,7 @@ def test_the_command_adds_rivals_to_the_json(tmp_path, files):
     assert done.returncode == 0 and results.read_bytes() == again
 
 
+@pytest.mark.slow
 def test_bad_input_is_a_clear_error(tmp_path, files):
     done = run_rivals("--train", tmp_path / "none.npz", "--out", tmp_path)
     assert done.returncode == 1 and "none.npz" in done.stderr and "Traceback" not in done.stderr

@@ -22,8 +22,6 @@ from export import cli
 from reports import markdown, operations, size, video
 from reports.targets import TARGETS, compile_library, run
 
-pytestmark = pytest.mark.xdist_group("claims")  # the fixtures are measured once
-
 ACCURACY, LOG, FCONV = (ROOT / "docs" / f"{n}.md" for n in ("accuracy", "accuracy-log", "fconv"))
 
 
@@ -67,6 +65,7 @@ def forms(sets, library):
     }
 
 
+@pytest.mark.slow
 def test_the_accuracy_is_that_of_the_pages(figures, forms):
     for model in accuracy.MODELS:
         tables = accuracy.model_tables(model, figures[model], forms[model])
@@ -96,12 +95,14 @@ def ups(sets, library):
     }
 
 
+@pytest.mark.slow
 def test_what_up_gives_is_that_of_the_page(ups):
     for model, found in ups.items():
         text = command.by_set(accuracy.up_table, found)
         assert markdown.read(ACCURACY, f"up_{model}") == text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", accuracy.TAKE_UP)
 @pytest.mark.parametrize("name", [TEST, OTHERS_TEST])
 def test_up_helps_and_a_wrong_one_does_little_harm(ups, model, name):
@@ -117,10 +118,12 @@ def angle_figures(sets, library):
     return accuracy.angles_by_set(accuracy.MODELS, sets)
 
 
+@pytest.mark.slow
 def test_angles_are_those_of_the_page(angle_figures):
     assert markdown.read(ACCURACY, "angles") == command.by_set(angles.report, angle_figures)
 
 
+@pytest.mark.slow
 def test_straight_limbs_are_straight(angle_figures):
     for name, limb in itertools.product((TEST, OTHERS_TEST), ("straight elbows", "straight knees")):
         for model in accuracy.TAKE_UP:
@@ -134,6 +137,7 @@ def rival_figures(sets):
     return {name: accuracy.evaluate_rivals(train, motion) for name, motion in sets.items()}
 
 
+@pytest.mark.slow
 def test_the_library_beats_the_rivals_of_the_table(figures, rival_figures):
     for name, others in rival_figures.items():
         for model in accuracy.MODELS:
@@ -161,6 +165,7 @@ def test_the_trained_rivals_are_of_the_recipes():
         assert entry["recipe"] == json.loads(json.dumps(recipe)), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("form", "most"), [("w16", 0.2), ("w8", 0.5), ("fixed", 0.2), ("fixed_w8", 0.5)]
 )
@@ -179,6 +184,7 @@ def test_fconv_in_8_bits_loses_little_in_any_column():
         assert manifest["metrics_w8"][column] <= error + 1.5, column
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", accuracy.MODELS)
 def test_fixed_point_is_the_float_lift(forms, model):
     for found in forms[model].values():
