@@ -1,6 +1,7 @@
 """The same bits everywhere: compilers, levels of optimisation, processors."""
 
 import re
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
