@@ -26,9 +26,16 @@ if "CCACHE_DIR" not in os.environ and (CCACHE / "compilers").is_dir():
     os.environ["CCACHE_DIR"] = str(CCACHE)
     os.environ["PATH"] = f"{CCACHE / 'compilers'}{os.pathsep}{os.environ['PATH']}"
 
+from claims import (  # noqa: E402
+    pytest_itemcollected,
+    pytest_runtest_call,
+    write_unchecked,
+)
 from support import need_library  # noqa: E402
 
 from edmlift.library import Library  # noqa: E402
+
+__all__ = ["pytest_itemcollected", "pytest_runtest_call"]  # hooks
 
 
 @pytest.fixture(scope="session")
@@ -58,3 +65,4 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
         terminalreporter.section("skipped")
         for reason, count in reasons.most_common():
             terminalreporter.write_line(f"{count:4d}  {reason}")
+    write_unchecked(terminalreporter)

@@ -21,7 +21,7 @@ from data.paths import ROOT
 from data.views import views
 from edmlift.library import to_q16
 from reports import markdown
-from reports.targets import INCLUDES, SOURCES, ToolError, library_flags, object_name, run
+from reports.targets import INCLUDES, SMALL_SOURCES, ToolError, library_flags, object_name, run
 
 CHECK = ROOT / "tests" / "overflow"
 KINDS = {
@@ -33,18 +33,15 @@ KINDS = {
 
 
 def build(folder: Path) -> Path:
-    """tests/overflow/count.c with the library and the integers that watch themselves."""
+    """tests/overflow/count.c with the library and the lift in integers that watch themselves."""
+    program, watched = folder / "count", folder / "watched.o"
     includes = [*INCLUDES, f"-I{CHECK}"]
-    watched = [folder / f"{source.stem}.o" for source in CHECK.glob("*.cpp")]
-    for item in watched:
-        source = CHECK / f"{item.stem}.cpp"
-        run("c++", "-std=gnu++11", "-O2", *includes, "-c", source, "-o", item)
-    program = folder / "count"
+    run("c++", "-std=gnu++11", "-O2", *includes, "-c", CHECK / "lift.cpp", "-o", watched)
     flags = [*library_flags(), "-O2", *includes]
-    plain = [folder / "count.o", *(folder / object_name(source) for source in SOURCES)]
-    for item, source in zip(plain, [CHECK / "count.c", *SOURCES], strict=True):
+    plain = [folder / "count.o", *(folder / object_name(source) for source in SMALL_SOURCES)]
+    for item, source in zip(plain, [CHECK / "count.c", *SMALL_SOURCES], strict=True):
         run("cc", *flags, "-c", source, "-o", item)
-    run("c++", *plain, *watched, "-lm", "-o", program)
+    run("c++", *plain, watched, "-lm", "-o", program)
     return program
 
 

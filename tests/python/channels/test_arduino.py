@@ -243,6 +243,7 @@ def test_the_check_of_a_release_sees_what_is_wrong(texts: list[str], monkeypatch
         arduino.check([])
 
 
+@pytest.mark.claims("docs/arduino.md", "arduino_memory")
 def test_the_page_has_the_bytes_of_these_images(image: Path, installed) -> None:
     version = run("arm-none-eabi-gcc", "-dumpversion").strip()
     if not version.startswith("12.2"):
@@ -255,6 +256,7 @@ def test_loop_leaves_room_on_a_stack(image: Path) -> None:
     assert 0 < arduino_costs.frame(image) < 1024
 
 
+@pytest.mark.claims("docs/arduino.md", "arduino_milliseconds")
 def test_the_page_has_the_milliseconds_of_the_costs() -> None:
     assert markdown.read(PAGE, "arduino_milliseconds") == arduino_costs.milliseconds_table()
 

@@ -88,6 +88,7 @@ def test_a_chip_gives_the_same_bits(projects: list[Project]) -> None:
         assert project.bits() == DIRECT_BITS
 
 
+@pytest.mark.claims("docs/esp-idf.md", "esp_idf_prints", "esp_idf_costs")
 def test_the_page_has_what_it_prints_and_takes(projects: list[Project]) -> None:
     check_page("esp_idf", projects)
 

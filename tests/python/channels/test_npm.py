@@ -77,6 +77,7 @@ def test_a_page_loads_little(project: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.claims("docs/browser.md", "browser_models")
 def test_the_page_says_how_large_models_are(project: Path) -> None:
     """Within 3 %, by which compilers differ."""
     folder = project / "node_modules" / "edmlift"

@@ -157,6 +157,7 @@ def test_a_network_of_distances_lifts_in_one_arithmetic(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.claims("docs/one-file.md", "one_file")
 def test_flash_is_that_of_many_files_and_of_the_page() -> None:
     need_cross_compiler(TARGETS[one_file_sizes.CORE])
     size = one_file_sizes.measure("direct_w8", ["float"])

@@ -58,5 +58,6 @@ def test_the_fpu_is_used_where_there_is_one(projects: list[Project]) -> None:
     assert "CONFIG_FPU=y" in (with_fpu.folder / "dotconfig").read_text("utf-8")
 
 
+@pytest.mark.claims("docs/zephyr.md", "zephyr_prints", "zephyr_costs")
 def test_the_page_has_what_it_prints_and_takes(projects: list[Project]) -> None:
     check_page("zephyr", projects)

@@ -26,6 +26,9 @@ ONE = np.zeros(len(WALK), int)
 # ---- What the tools say ----------------------------------------------------------------------
 
 
+@pytest.mark.claims("docs/detectors.md", "rules")
+@pytest.mark.claims("lib/joints/adapt.h", "CROWN", "CENTRE", "BOTH_EARS", "ONE_EAR", "FACE")
+@pytest.mark.claims("lib/joints/adapt.h", "TRUNK")
 def test_the_constants_and_their_errors_are_the_scripts():
     views = fit_adapters.Views(load_motion(need_motion(TRAIN)))
     found = fit_adapters.fit(views)
@@ -35,6 +38,7 @@ def test_the_constants_and_their_errors_are_the_scripts():
 
 
 @pytest.mark.slow
+@pytest.mark.claims("docs/detectors.md", "adapters")
 def test_the_costs_are_those_of_the_page_and_the_readme(library: Library):
     figures = adapters.evaluate(library, load_motion(need_motion(TEST)))
     assert markdown.read(PAGE, "adapters") == adapters.report(figures)

@@ -126,6 +126,7 @@ def test_all_angles_are_told_right_and_left_together(truth):
 
 
 @pytest.mark.slow
+@pytest.mark.claims("docs/angles.md", "angle_errors")
 def test_the_angles_of_the_page_are_measured():
     motions = {Path(name).stem: load_motion(need_motion(name)) for name in (TEST, OTHERS_TEST)}
     need_library()

@@ -50,6 +50,7 @@ def found() -> fit_body.Constants:
 
 
 @pytest.mark.slow
+@pytest.mark.claims("lib/optional/body.h", "HEAD_TO_ANKLE", "proportion")
 def test_sizes_are_the_scripts(found: fit_body.Constants):
     numbers = [float(n) for n in re.findall(r"REAL\((0\.\d{3}|1\.0)\)", text_of("body.h"))]
     assert numbers[:14] == [found.shares[kind] for kind in TYPE] + [1.0]
@@ -59,6 +60,8 @@ def test_sizes_are_the_scripts(found: fit_body.Constants):
 
 
 @pytest.mark.slow
+@pytest.mark.claims("lib/optional/quality.h", "PER_MISFIT", "PER_MISSING", "PER_VIOLATION")
+@pytest.mark.claims("lib/optional/quality.h", "PER_SIDE", "QUALITY_CONSTANT")
 def test_the_model_of_quality_is_the_scripts(found: fit_body.Constants):
     pairs = re.findall(r"\{REAL\((.{4})\), REAL\((.{4})\)\}", text_of("quality.h"))
     assert [tuple(map(float, p)) for p in pairs] == [found.bone_range[kind] for kind in TYPE]
@@ -77,6 +80,7 @@ def test_nine_of_ten_training_poses_above_nine_tenths_are_good(found: fit_body.C
 
 
 @pytest.mark.slow
+@pytest.mark.claims("lib/optional/uncertainty.c", "joint_error")
 def test_errors_of_joints_are_the_scripts(found: fit_body.Constants):
     rows = re.findall(r"^static const joint_error (\w+) = (.*);", text_of("uncertainty.c"), re.M)
     assert [name for name, _ in rows] == list(fit_body.JOINT_TYPE)
@@ -92,6 +96,8 @@ def tables() -> dict[str, str]:
 
 
 @pytest.mark.slow
+@pytest.mark.claims("docs/body.md", "sizes", "partial", "quality_distances", "quality_direct")
+@pytest.mark.claims("docs/body.md", "kept_distances", "kept_direct")
 def test_tables_are_those_of_the_page(tables: dict[str, str]):
     assert set(tables) == {"sizes", "partial", *QUALITIES}
     for name, text in tables.items():

@@ -158,6 +158,7 @@ def test_angles_and_rotations():
 
 
 @pytest.mark.slow
+@pytest.mark.claims("docs/where-in-the-room.md", "camera")
 def test_the_tables_are_those_of_the_page(library):
     figures = camera.evaluate(library, load_motion(need_motion(TEST)))
     table = camera.report(figures)
@@ -178,6 +179,7 @@ def test_people_are_turned_about_the_camera(scenes):
     np.testing.assert_allclose(np.linalg.norm(moved, axis=-1), np.linalg.norm(truth, axis=-1))
 
 
+@pytest.mark.claims("docs/where-in-the-room.md", "off_axis")
 def test_the_camera_helps_off_the_axis():
     people = {
         Path(name).stem: off_axis.evaluate(["direct_f32"], load_motion(need_motion(name)))

@@ -11,6 +11,7 @@ from reports import markdown
 PAGE = ROOT / "docs" / "files.md"
 
 
+@pytest.mark.claims("docs/files.md", "skeleton")
 def test_the_page_has_what_is_measured():
     need_library()
     assert markdown.read(PAGE, "skeleton").strip() == motion_files.skeleton_table().strip()

@@ -134,11 +134,13 @@ def test_lift_stdin_takes_them_as_the_detector_gives_them(
     np.testing.assert_allclose(*joints, atol=1e-3)  # pixels rounded twice
 
 
+@pytest.mark.claims("docs/detections.md", "detections")
 def test_the_table_is_the_documents(library, beam, street):
     figures = {n: detections.measure(library, c) for n, c in (beam | {"street": street}).items()}
     assert markdown.read(DOCUMENT, "detections") == detections.report(figures)
 
 
+@pytest.mark.claims("docs/detections.md", "thresholds")
 def test_the_table_of_thresholds_is_the_documents_and_the_default_costs_nothing(library):
     columns = detections.compare_thresholds(library)
     assert markdown.read(DOCUMENT, "thresholds") == detections.report_detectors(columns)

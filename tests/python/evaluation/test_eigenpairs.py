@@ -29,6 +29,7 @@ def test_a_sample_is_within_a_hundredth_of_a_millimetre():
 
 
 @pytest.mark.slow
+@pytest.mark.claims("docs/accuracy-log.md", "eigenpairs")
 def test_the_page_says_what_is_measured():
     found = {
         Path(name).stem: eigenpairs.evaluate("distances_f32", load_motion(need_motion(name)))

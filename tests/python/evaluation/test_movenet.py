@@ -27,6 +27,7 @@ def columns(library: Library, read: dict) -> dict[str, dict]:
     return detections.compare(library, beams, {name: errors for name, (_, errors) in read.items()})
 
 
+@pytest.mark.claims("docs/detections.md", "detectors")
 def test_the_table_is_the_pages(columns):
     assert markdown.read(PAGE, "detectors") == detections.report_detectors(columns)
 

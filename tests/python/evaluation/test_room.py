@@ -71,6 +71,8 @@ def test_rows_that_begin_alike_stand_together():
 
 
 @pytest.mark.slow
+@pytest.mark.claims("docs/where-in-the-room.md", "path", "focal")
+@pytest.mark.claims("docs/body.md", "held_bones")
 def test_the_tables_are_those_of_the_pages():
     names = (TEST, OTHERS_TEST)
     clips = {Path(n).stem: room.watch(load_motion(need_motion(n))) for n in names}

@@ -225,6 +225,8 @@ def test_clips_end_where_frames_do():
 
 # What docs/video.md says
 
+claims = pytest.mark.claims
+
 
 def columns(text: str) -> dict[str, list[str]]:
     """Rows of a table by their titles."""
@@ -249,7 +251,13 @@ def test_what_must_hold_of_a_detectors_keypoints(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name, source", [("video15", TEST), ("video30", "cmu_raw/subjects/02")])
+@pytest.mark.parametrize(
+    "name, source",
+    [
+        pytest.param("video15", TEST, marks=claims("docs/video.md", "video15")),
+        pytest.param("video30", "cmu_raw/subjects/02", marks=claims("docs/video.md", "video30")),
+    ],
+)
 def test_the_table_is_what_is_measured(name, source, library):
     motion = video.load_video(need_motion(source), 30)
     clips = video.cut(motion, np.random.default_rng(video.SEED))

@@ -131,6 +131,7 @@ def test_missing_motion_is_a_clear_error(tmp_path, short, capsys):
     assert "none.npz" in capsys.readouterr().err
 
 
+@pytest.mark.claims("docs/accuracy-log.md", "recipes")
 def test_the_page_has_the_results():
     page = ROOT / "docs" / "accuracy-log.md"
     if not ablations.RESULTS.exists():  # as the page then says

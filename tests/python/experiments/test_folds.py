@@ -124,6 +124,7 @@ def test_bars_and_marks_have_the_figures():
     assert [label.get_text() for label in ax.get_xticklabels()] == ["3", "7"]
 
 
+@pytest.mark.claims("docs/accuracy-log.md", "people")
 def test_the_page_has_the_results():
     page = ROOT / "docs" / "accuracy-log.md"
     if not folds.RESULTS.exists():  # as the page then says

@@ -89,6 +89,7 @@ def test_the_command_trains_without_each_and_with_all(tmp_path, monkeypatch, cap
     assert laboratories.main() == 1 and "a.npz" in capsys.readouterr().err
 
 
+@pytest.mark.claims("docs/accuracy-log.md", "laboratories")
 def test_the_page_has_the_results():
     page = ROOT / "docs" / "accuracy-log.md"
     results = json.loads(laboratories.RESULTS.read_text())

@@ -140,6 +140,7 @@ def test_tables_are_of_what_was_found():
     assert lines[2] == "| head |  | 10.0 | 10.0 |" and lines[-1] == "| ankle | 10.0 | 10.0 | 10.0 |"
 
 
+@pytest.mark.claims("docs/detections.md", "noise", "definitions", "noise_for_training")
 def test_tables_are_those_of_the_page(library: Library):
     for name, text in noise.measure(library).items():
         assert markdown.read(PAGE, name).strip() == text.strip()

@@ -50,6 +50,7 @@ def someone(count: int, joints: np.ndarray) -> Motion:
 # ---- What is learned -------------------------------------------------------------------------
 
 
+@pytest.mark.claims("gen/joint_limits.h", "edml__joint_limit_maps")
 def test_the_header_is_learned_from_the_training_people_byte_for_byte(tmp_path: Path):
     out = tmp_path / "joint_limits.h"
     done = run_tool("fitting.joint_limits", need_motion(TRAIN), "--out", out)
@@ -174,6 +175,9 @@ def tables(library: Library) -> dict[str, str]:
     return found
 
 
+@pytest.mark.claims("docs/accuracy-log.md", "mirror_distances", "mirror_direct", "mirror_fconn")
+@pytest.mark.claims("docs/accuracy-log.md", "mirror_actions_distances")
+@pytest.mark.claims("docs/accuracy-log.md", "violations_distances", "violations_fconn")
 def test_tables_are_those_of_the_page(tables: dict[str, str]):
     assert len(tables) == 3 * len(mirror.MODELS)
     shown = [name for name in tables if f"<!-- begin {name} -->" in PAGE.read_text("utf-8")]

@@ -66,6 +66,15 @@ def forms(sets, library):
 
 
 @pytest.mark.slow
+@pytest.mark.claims("README.md", "summary")
+@pytest.mark.claims(
+    "docs/accuracy.md", "accuracy_distances", "accuracy_direct", "forms_distances", "forms_direct"
+)
+@pytest.mark.claims("docs/accuracy-log.md", "joints_distances", "joints_direct")
+@pytest.mark.claims("docs/fconv.md", "accuracy_fconn", "forms_fconn")
+@pytest.mark.claims("gen/distances.json", "metrics", "metrics_w16", "metrics_w8", "metrics_others")
+@pytest.mark.claims("gen/direct.json", "metrics", "metrics_w16", "metrics_w8", "metrics_others")
+@pytest.mark.claims("gen/fconn.json", "metrics", "metrics_w16", "metrics_w8", "metrics_others")
 def test_the_accuracy_is_that_of_the_pages(figures, forms):
     for model in accuracy.MODELS:
         tables = accuracy.model_tables(model, figures[model], forms[model])
@@ -83,6 +92,8 @@ def test_the_accuracy_is_that_of_the_pages(figures, forms):
         for form in ("w16", "w8"):
             lost = forms[model][Path(TEST).stem][form]
             assert manifest[f"metrics_{form}"] == accuracy.column_errors(lost)
+    costs = size.parse(markdown.read(size.COSTS, "costs"))
+    assert markdown.read(size.README, "summary").strip() == size.summary_table(costs)
 
 
 @pytest.fixture(scope="module")
@@ -96,6 +107,7 @@ def ups(sets, library):
 
 
 @pytest.mark.slow
+@pytest.mark.claims("docs/accuracy.md", "up_distances", "up_direct")
 def test_what_up_gives_is_that_of_the_page(ups):
     for model, found in ups.items():
         text = command.by_set(accuracy.up_table, found)
@@ -119,6 +131,7 @@ def angle_figures(sets, library):
 
 
 @pytest.mark.slow
+@pytest.mark.claims("docs/accuracy.md", "angles")
 def test_angles_are_those_of_the_page(angle_figures):
     assert markdown.read(ACCURACY, "angles") == command.by_set(angles.report, angle_figures)
 
@@ -138,6 +151,7 @@ def rival_figures(sets):
 
 
 @pytest.mark.slow
+@pytest.mark.claims("docs/accuracy.md", "rivals")
 def test_the_library_beats_the_rivals_of_the_table(figures, rival_figures):
     for name, others in rival_figures.items():
         for model in accuracy.MODELS:
@@ -153,6 +167,7 @@ def test_the_library_beats_the_rivals_of_the_table(figures, rival_figures):
     assert markdown.read(ACCURACY, "rivals") == text
 
 
+@pytest.mark.claims("docs/accuracy-log.md", "trials")
 def test_the_trials_are_those_of_the_json():
     trials = json.loads(baselines.TRAINED.read_text())["trials"]
     assert list(trials) == list(rivals.TRIALS)
@@ -193,6 +208,7 @@ def test_fixed_point_is_the_float_lift(forms, model):
             assert column["mirrored"] <= 5, name  # of some 6,000
 
 
+@pytest.mark.claims("docs/no-fpu.md", "operations")
 def test_operations_are_those_of_the_table_and_none_overflows(people):
     counts = operations.count(people)
     assert counts["lifted"] > 80_000 and counts["overflows"] == counts["differences"] == 0
@@ -211,6 +227,7 @@ def costs() -> list[size.Cost]:
     return size.measure()
 
 
+@pytest.mark.claims("docs/costs.md", "costs", "size_report", "floor", "fconv_costs")
 def test_the_costs_are_those_of_the_tables(costs):
     size.check(costs)
     size.check_fconv(size.measure_fconv())
@@ -255,6 +272,7 @@ def test_all_of_the_flash_is_told(tmp_path):
     assert 0 < cost.helpers < cost.code
 
 
+@pytest.mark.claims("docs/video.md", "video_costs")
 def test_what_a_track_costs():
     for core in video.CORES:
         need_core(TARGETS[core])

@@ -12,6 +12,7 @@ from reports.size import Disagreement
 FOLDERS = ("joints", "number")  # whose sources take seconds, and not minutes
 
 
+@pytest.mark.claims("docs/misra.md", "misra")
 @pytest.mark.slow
 def test_the_table_has_the_counts():
     need("cppcheck")

@@ -10,9 +10,18 @@ from reports import markdown, parts
 from reports.size import Disagreement
 from reports.targets import TARGETS
 
+claims = pytest.mark.claims
+
 
 @pytest.mark.slow
-@pytest.mark.parametrize("part", parts.PARTS)
+@pytest.mark.parametrize(
+    "part",
+    [
+        pytest.param("angles", marks=claims("docs/angles.md", "angles_costs")),
+        pytest.param("measure_body", marks=claims("docs/body.md", "measure_body_costs")),
+        pytest.param("path_follow", marks=claims("docs/where-in-the-room.md", "path_follow_costs")),
+    ],
+)
 def test_the_costs_of_a_part_are_those_of_its_page(part: str):
     for core in parts.CORES:
         need_core(TARGETS[core])

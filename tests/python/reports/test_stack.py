@@ -17,6 +17,7 @@ WORDS = r"[Aa]t\s+most\s+([0-9.]+) KB of stack"
 BENCH = 32  # bytes: the frame of a function of tests/targets/bench around the call
 
 
+@pytest.mark.claims("docs/stack.md", "stack")
 @pytest.mark.slow
 @pytest.mark.parametrize("core", ["cortex-m0plus", "rv32imafc"])
 def test_the_page_has_the_bounds_of_the_call_graph(core: str):

@@ -1,5 +1,7 @@
 """How many files a change touches: the table of docs/how-it-works.md."""
 
+import pytest
+
 from data.paths import DOCS
 from reports import markdown, touched
 
@@ -8,6 +10,7 @@ def test_the_files_of_a_change_are_there():
     assert touched.missing() == []
 
 
+@pytest.mark.claims("docs/how-it-works.md", "files_touched")
 def test_the_table_is_the_pages():
     assert markdown.read(DOCS / "how-it-works.md", "files_touched").strip() == touched.table()
 
