@@ -30,6 +30,7 @@ UNCOMPARED: dict[Claim, str] = {
     ("docs/fconv.md", "accuracy_fconv"): "measuring it takes ten minutes",
     ("docs/fconv.md", "forms_fconv"): "measuring it takes ten minutes",
     ("docs/files.md", "long"): "times of one machine",
+    ("docs/fuzzing.md", "fuzzing"): "counts of a run of hours",
     ("docs/python.md", "python_builds"): "building all wheels takes minutes",
     ("docs/python.md", "python_speed"): "times of one machine",
 }
