@@ -6,22 +6,19 @@ The commands are read from tools/make_tables, so that a new one is among them; p
 are copies.  tests/python/reports/test_sample.py compares.
 """
 
-import contextlib
 import importlib.util
-import io
 import re
-import runpy
 import shlex
 import shutil
 import sys
 import tempfile
 from pathlib import Path
-from unittest.mock import patch
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "sample")]
+sys.path[:0] = [str(ROOT / folder) for folder in ("tools", "tests/python", "tests/sample")]
 
 import motion  # noqa: E402
+from support import run_tool  # noqa: E402
 
 from reports import markdown  # noqa: E402
 
@@ -67,7 +64,10 @@ def tables(words: list[str], people: Path, folder: Path) -> dict[str, str]:
         page.write_text(re.sub(r"(?s)(<!-- begin .*? -->\n).*?(?=<!-- end )", r"\1", text), "utf-8")
     if "gen" in words:
         shutil.copytree(ROOT / "gen", folder / "gen", ignore=shutil.ignore_patterns("*.h", "*.npz"))
-    run([_word(word, people, folder) for word in words])
+    program, *options = (_word(word, people, folder) for word in words if word != "tools/run.py")
+    done = run_tool(program.removeprefix("tools/"), *options)
+    if done.returncode != 0:
+        raise ValueError(f"{shlex.join(words)}: {done.stdout}{done.stderr}")
     found = {
         name: markdown.read(page, name)
         for page in pages
@@ -87,21 +87,6 @@ def _word(word: str, people: Path, folder: Path) -> str:
     if word in MOTION:
         return str(people / MOTION[word])
     return str(folder / word) if word == "gen" or word.startswith("docs/") else word
-
-
-def run(words: list[str]) -> None:
-    """Runs a program of tools/ in this process: to import what it needs takes most of its time."""
-    out = io.StringIO()
-    with (
-        contextlib.redirect_stdout(out),
-        contextlib.redirect_stderr(out),
-        patch.object(sys, "argv", [str(ROOT / words[0]), *words[1:]]),
-    ):
-        try:
-            runpy.run_path(sys.argv[0], run_name="__main__")
-        except SystemExit as end:
-            if end.code:
-                raise ValueError(f"{shlex.join(words)}: {out.getvalue()}") from None
 
 
 def main() -> None:
