@@ -1,8 +1,8 @@
 /* Runs Unity's tests with one mutant of the library; linked with --wrap=UnityDefaultTestRun.
  *
  *   EDML_MUTANT=N        which one; 0 or nothing: the library as it is
- *   EDML_TESTS=,A,B,     these tests alone; nothing: all
- *   EDML_LIMIT=SECONDS   of the processor's time, after which the program dies
+ *   EDML_TESTS=,A:S,B:S, these tests alone, each with the seconds of the processor's time after which the program
+ *                        dies, or 0; nothing: all tests
  *   EDML_REACHED=FILE    appends a line for each test: its name, its seconds, the mutants that it reached
  *   EDML_LIST=1          prints the tests' names and runs none
  *
@@ -28,22 +28,29 @@ void __wrap_UnityDefaultTestRun(UnityTestFunction test, const char *name, int li
 /* Before main(). */
 __attribute__((constructor)) static void choose(void)
 {
-    const char *mutant = getenv("EDML_MUTANT"), *limit = getenv("EDML_LIMIT");
+    const char *mutant = getenv("EDML_MUTANT");
     if (mutant != NULL) edml_chosen_mutant = atoi(mutant);
-    if (limit == NULL) return;
-    const double seconds = atof(limit);
-    struct itimerval timer = {{0, 0}, {(time_t)seconds, 0}};
-    timer.it_value.tv_usec = (suseconds_t)((seconds - (double)timer.it_value.tv_sec) * 1e6);
-    setitimer(ITIMER_PROF, &timer, NULL); /* SIGPROF ends it */
 }
 
+/* SIGPROF ends the program then; 0 seconds: never. */
+static void limit_time(double seconds)
+{
+    struct itimerval timer = {{0, 0}, {(time_t)seconds, 0}};
+    timer.it_value.tv_usec = (suseconds_t)((seconds - (double)timer.it_value.tv_sec) * 1e6);
+    setitimer(ITIMER_PROF, &timer, NULL);
+}
+
+/* Also limits the time of a test that is. */
 static int is_wanted(const char *name)
 {
     const char *tests = getenv("EDML_TESTS");
-    char between_commas[200];
+    char wanted[200];
     if (tests == NULL) return 1;
-    snprintf(between_commas, sizeof between_commas, ",%s,", name);
-    return strstr(tests, between_commas) != NULL;
+    snprintf(wanted, sizeof wanted, ",%s:", name);
+    const char *found = strstr(tests, wanted);
+    if (found == NULL) return 0;
+    limit_time(atof(found + strlen(wanted)));
+    return 1;
 }
 
 static void append_reached(const char *path, const char *name, double seconds)

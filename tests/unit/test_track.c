@@ -171,9 +171,9 @@ static void check_filtered(edml_moving before, edml_moving after, edml_point see
 static void check_filters(uint32_t ms)
 {
     const double size = size_of(in), seconds = ms / 1000.0;
-    const double share = fmin((double)track.jitter / (double)track.image_step, 4);
-    const double part = share / (double)track.noise_full,
-                 motion = part < 1 ? 1 - part * part * part * part : 0;
+    const double full = (double)track.noise_full;
+    const double share = full > 0 ? fmin((double)track.jitter / (double)track.image_step, 4) : 0;
+    const double part = full > 0 ? share / full : 1, motion = part < 1 ? 1 - part * part * part * part : 0;
     check_space_step(seconds);
     for (int j = 0; j < EDML_JOINTS; j++) {
         const edml_tracked_joint *a = &was.joint[j], *b = &track.joint[j];
@@ -189,15 +189,16 @@ static void check_filters(uint32_t ms)
 
 static void what_is_not_noise_passes_the_filters(void)
 {
-    static const float full[] = {1, 0.5F, 2, 5, 64};
+    static const float full[] = {1, 0.5F, 2, 5, 64, 0}; /* 0: all is filtered in full */
     rng r = rng_seed(302);
-    for (int k = 0; k < 5; k++) {
+    for (int k = 0; k < 6; k++) {
         edml_track_start(&track);
         track.noise_full = full[k];
         for (uint32_t n = 0; n < 50; n++) {
             see(3.0 * n);
             add_noise(&r, n % 20 < 10 ? 2 : 0.2F);
             if (n % 10 == 5) in[EDML_L_ANKLE].c = in[EDML_HEAD].c = 0;
+            if (n == 42) track.jitter = 20 * track.image_step; /* noisier than can be */
             run(40 * n);
             if (n > 0) check_filters(40);
         }
@@ -549,6 +550,25 @@ static void in_integers_nobody_is_expected_beyond_the_range(void)
     }
 }
 
+/* 64 body sizes are the most, as where the frame is a point. */
+static void in_integers_distances_end_at_64(void)
+{
+    static edml_work_q work_q;
+    static edml_track_q track_q;
+    edml_pose_q pose_q;
+    edml_keypoint_q in_q[EDML_JOINTS];
+    edml_track_start_q(&track_q);
+    see(0);
+    to_q16(in_q, in);
+    for (uint32_t n = 0; n < 3; n++)
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_track_lift_q(&pose_q, &track_q, in_q, 33 * n, NULL,
+                                                         &edml_distances_w16, &work_q, sizeof work_q));
+    for (int j = 0; j < EDML_JOINTS; j++) in_q[j].x = in_q[j].y = 1 << 24;
+    TEST_ASSERT_EQUAL_INT32(64 << 16, edml_track_distance_q(&track_q, in_q, 99));
+    for (int j = 0; j < EDML_JOINTS; j++) in_q[j].x += (j % 2) << 14; /* a quarter of a pixel wide */
+    TEST_ASSERT_EQUAL_INT32(64 << 16, edml_track_distance_q(&track_q, in_q, 99));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -566,6 +586,7 @@ int main(void)
     RUN_TEST(sides_that_are_near_each_other_are_doubted);
     RUN_TEST(a_mirror_image_is_believed_by_its_depths);
     RUN_TEST(held_joints_move_with_the_mean_of_the_others);
+    RUN_TEST(in_integers_distances_end_at_64);
     RUN_TEST(in_integers_nobody_is_expected_beyond_the_range);
     return UNITY_END();
 }

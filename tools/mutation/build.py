@@ -116,15 +116,17 @@ class Alone:
         """The object files of the sources that include the text with the mutant; None: an error."""
         text = texts()[name]
         write_if_new(self.tree / name, apply(text, mutant) if mutant else text)
-        out, found = self.tree / "out.o", []
-        for source in self.users.get(name, []):
-            command = [*_COMPILE, "-c", *options, source, "-o", out]
-            if subprocess.run(command, capture_output=True, check=False).returncode != 0:
-                found = None
-                break
-            found.append(out.read_bytes())
-        write_if_new(self.tree / name, text)
-        return found
+        try:
+            return [self._object(source, options) for source in self.users.get(name, [])]
+        except ToolError:
+            return None
+        finally:
+            write_if_new(self.tree / name, text)
+
+    def _object(self, source: Path, options: Sequence[str]) -> bytes:
+        out = self.tree / "out.o"
+        step([*_COMPILE, "-c", *options, source, "-o", out])
+        return out.read_bytes()
 
     def original(self, name: str, *options: str) -> list[bytes] | None:
         """The object files of the text as it is."""

@@ -2,6 +2,7 @@
 
     mutate                        a sample of lib/, and denser ones of some parts (docs/mutation.md)
     mutate --file lib/lift/mds.h  all mutants of a file, or of the files that begin so
+    mutate --again                the mutants of the last run: those that lived, with new tests
     mutate --update               writes the tables of docs/mutation.md
     mutate --list                 prints mutants, and runs none
 
@@ -14,7 +15,9 @@ import argparse
 import json
 import os
 import sys
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 from tqdm import tqdm
 
@@ -26,13 +29,42 @@ from reports import markdown
 from reports.targets import ToolError
 
 PAGE = DOCS / "mutation.md"
+RESULTS = build.WORK / "results.json"
 
 
-def choose(args: argparse.Namespace) -> tuple[build.Numbered, frozenset[int], dict[int, str]]:
-    """The mutants to run, which of them are the sample of all, and reasons of the argued ones."""
-    everything = build.all_mutants()
-    reasons = argued(everything)
+class Choice(NamedTuple):
+    """Mutants to look at."""
+
+    mutants: build.Numbered
+    sampled: frozenset[int]  # of them, the sample of all lib/
+    killers: dict[int, str]  # of those that need not be run
+
+
+def names_of(mutants: build.Numbered) -> dict[int, tuple[str, ...]]:
+    """Names that stay while the text around a mutant changes: its place, and how manieth it is."""
+    count: Counter[tuple[str, ...]] = Counter()
+    names: dict[int, tuple[str, ...]] = {}
+    for number, (file, mutant) in mutants.items():
+        name = (file, mutant.function, mutant.operator, mutant.change)
+        names[number] = (*name, str(count[name]))
+        count[name] += 1
+    return names
+
+
+def choose_again(everything: build.Numbered) -> Choice:
+    """Those of the last run.  Tests that came after it kill no less than it did."""
+    entries = {tuple(e["name"]): e for e in json.loads(RESULTS.read_text("utf-8"))}
+    known = {n: entries[name] for n, name in names_of(everything).items() if name in entries}
+    return Choice({n: everything[n] for n in known},
+                  frozenset(n for n, e in known.items() if e["sampled"]),
+                  {n: e["killer"] for n, e in known.items() if e["killer"]})  # fmt: skip
+
+
+def choose(args: argparse.Namespace, everything: build.Numbered) -> Choice:
+    """By the command line, of those that this machine compiles."""
     build.make_tree()
+    if args.again:
+        return choose_again(everything)
     build.write_texts(everything)
     compiled = build.compiled_numbers()
     mutants = {n: found for n, found in everything.items() if n in compiled}
@@ -40,59 +72,68 @@ def choose(args: argparse.Namespace) -> tuple[build.Numbered, frozenset[int], di
         chosen = {n: m for n, m in mutants.items() if m[0].startswith(tuple(args.file))}
         if not chosen:
             raise ToolError(f"no mutants in {', '.join(args.file)}: name it as in lib/lift/mds.h")
-        return build.sample(chosen, args.sample or len(chosen), args.seed), frozenset(), reasons
+        return Choice(build.sample(chosen, args.sample or len(chosen), args.seed), frozenset(), {})
     sampled = build.sample(mutants, args.sample or 800, args.seed)
     chosen = dict(sampled)
     for start in PARTS.values():
         part = {n: m for n, m in mutants.items() if m[0].startswith(start)}
         chosen |= build.sample(part, args.dense, args.seed)
-    return dict(sorted(chosen.items())), frozenset(sampled), reasons
+    return Choice(dict(sorted(chosen.items())), frozenset(sampled), {})
 
 
-def run_all(suite: Suite, mutants: build.Numbered) -> dict[int, str]:
+def run_all(suite: Suite, mutants: build.Numbered, jobs: int) -> dict[int, str]:
     """The test that kills it, for each mutant that one kills."""
     numbers = list(mutants)
     places = [f"{file}: {mutant.function}" for file, mutant in mutants.values()]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with ThreadPoolExecutor(jobs) as pool:
         found = pool.map(suite.killer, numbers, places)
         progress = tqdm(found, total=len(numbers), unit="mutant", desc="Running the tests")
         return {n: killer for n, killer in zip(numbers, progress, strict=True) if killer}
 
 
-def run_sanitized(mutants: build.Numbered) -> dict[int, str]:
+def run_sanitized(mutants: build.Numbered, jobs: int) -> dict[int, str]:
     """The same under the sanitizers, which are slow: for those that live without."""
     if not mutants:
         return {}
     build.write_texts(mutants)
     print(f"{len(mutants)} alive; building the tests under sanitizers", file=sys.stderr)
-    return run_all(Suite(build.build_tests("sanitized", build.SANITIZED, max(mutants))), mutants)
+    return run_all(
+        Suite(build.build_tests("sanitized", build.SANITIZED, max(mutants))), mutants, jobs
+    )
 
 
 def mutate(args: argparse.Namespace) -> Results:
-    mutants, sampled, reasons = choose(args)
-    alone = build.Alone()
-    mutants = build.write_what_compiles(mutants, alone)
-    print(f"{len(mutants)} mutants; building the tests", file=sys.stderr)
-    killers = run_all(Suite(build.build_tests("plain", build.PLAIN, max(mutants))), mutants)
-    killers |= run_sanitized({n: m for n, m in mutants.items() if n not in killers})
+    everything = build.all_mutants()
+    reasons = argued(everything)
+    choice, alone = choose(args, everything), build.Alone()
+    killers = choice.killers
+    left = {n: m for n, m in choice.mutants.items() if n not in killers}
+    compiled = build.write_what_compiles(left, alone)
+    mutants = {n: m for n, m in choice.mutants.items() if n in killers or n in compiled}
+    print(f"{len(compiled)} mutants; building the tests", file=sys.stderr)
+    killers |= run_all(
+        Suite(build.build_tests("plain", build.PLAIN, max(mutants))), compiled, args.jobs
+    )
+    killers |= run_sanitized({n: m for n, m in compiled.items() if n not in killers}, args.jobs)
     equivalent = {n: why for n, why in reasons.items() if n in mutants and n not in killers}
-    left = [n for n in mutants if n not in killers and n not in equivalent]
-    for number in tqdm(left, unit="mutant", desc="Comparing object code"):
+    alive = [n for n in mutants if n not in killers and n not in equivalent]
+    for number in tqdm(alive, unit="mutant", desc="Comparing object code"):
         if same_code(*mutants[number], alone):
             equivalent[number] = "the compiler makes the same code of it"
-    return Results(mutants, sampled & mutants.keys(), killers, equivalent)
+    return Results(mutants, choice.sampled & mutants.keys(), killers, equivalent)
 
 
 def write_json(results: Results) -> None:
-    """What became of each mutant, for whoever reads them one by one."""
-    sources = build.texts()
+    """What became of each mutant, for whoever reads them one by one, and for --again."""
+    sources, names = build.texts(), names_of(build.all_mutants())
     entries = [
         {"number": n, "file": file, "line": m.line, "function": m.function,
          "text": line_of(file, m, sources), "operator": m.operator, "change": m.change,
-         "killer": results.killers.get(n), "equivalent": results.equivalent.get(n)}
+         "killer": results.killers.get(n), "equivalent": results.equivalent.get(n),
+         "sampled": n in results.sampled, "name": names[n]}
         for n, (file, m) in results.mutants.items()
     ]  # fmt: skip
-    (build.WORK / "results.json").write_text(json.dumps(entries, indent=1) + "\n", "utf-8")
+    RESULTS.write_text(json.dumps(entries, indent=1) + "\n", "utf-8")
 
 
 def parse() -> argparse.Namespace:
@@ -103,6 +144,8 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--sample", type=int, help="so many, of lib/ (800) or of the files")
     parser.add_argument("--dense", type=int, default=200, help="so many of each part (200)")
     parser.add_argument("--seed", type=int, default=1, help="of the samples (1)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="at a time")
+    parser.add_argument("--again", action="store_true", help="the mutants of the last run")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--update", action="store_true", help="write the tables of docs/mutation.md")
     what.add_argument("--list", action="store_true", help="print the mutants, and run none")
@@ -116,7 +159,7 @@ def main() -> int:
     args = parse()
     try:
         if args.list:
-            for number, (file, mutant) in choose(args)[0].items():
+            for number, (file, mutant) in choose(args, build.all_mutants()).mutants.items():
                 print(f"{number} {file}:{mutant.line} {mutant.operator}: {mutant.change}")
             return 0
         results = mutate(args)

@@ -43,7 +43,7 @@ def argued(mutants: Numbered) -> dict[int, str]:
     at: dict[tuple[str, str, str], list[int]] = {}
     for number, (file, mutant) in mutants.items():
         at.setdefault((file, line_of(file, mutant, sources), mutant.change), []).append(number)
-    reasons = {}
+    reasons: dict[int, str] = {}
     for argument in arguments():
         for change in argument.changes:
             key = (argument.file, argument.line, change)
