@@ -172,16 +172,23 @@ def write_what_compiles(mutants: Numbered, alone: Alone) -> Numbered:
 # ---- The build -----------------------------------------------------------------------------------
 
 
-PLAIN = ("-O2",)
-SANITIZED = ("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+FLAGS = {
+    "plain": ("-O2",),
+    "sanitized": ("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"),
+}
+BUDGET = {
+    "plain": 60.0,
+    "sanitized": 4.0,
+}  # seconds of the processor's time that a mutant's tests take
 
 
-def build_tests(name: str, flags: Sequence[str], most: int) -> dict[str, Path]:
+def build_tests(name: str, most: int) -> dict[str, Path]:
     """Builds the unit tests with the texts of the tree, into build/mutation/NAME; their programs.
 
+    name  of FLAGS
     most  the largest number of a mutant
     """
-    folder = WORK / name
+    folder, flags = WORK / name, FLAGS[name]
     harness = WORK / f"{name}.o"
     step(["cmake", "-S", TREE, "-B", folder, *(["-G", "Ninja"] if shutil.which("ninja") else []),
           "-DEDMLIFT_TESTS=ON", "-DEDMLIFT_EXAMPLES=OFF", "-DEDMLIFT_INSTALL=OFF",

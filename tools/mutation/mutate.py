@@ -81,46 +81,46 @@ def choose(args: argparse.Namespace, everything: build.Numbered) -> Choice:
     return Choice(dict(sorted(chosen.items())), frozenset(sampled), {})
 
 
-def run_all(suite: Suite, mutants: build.Numbered, jobs: int) -> dict[int, str]:
-    """The test that kills it, for each mutant that one kills."""
-    numbers = list(mutants)
-    places = [f"{file}: {mutant.function}" for file, mutant in mutants.values()]
+def run_all(suite: Suite, numbers: list[int], results: Results, jobs: int) -> None:
+    """Adds the tests that kill these mutants; writes the results now and then."""
+    places = {n: f"{file}: {mutant.function}" for n, (file, mutant) in results.mutants.items()}
     with ThreadPoolExecutor(jobs) as pool:
-        found = pool.map(suite.killer, numbers, places)
+        found = pool.map(suite.killer, numbers, map(places.__getitem__, numbers))
         progress = tqdm(found, total=len(numbers), unit="mutant", desc="Running the tests")
-        return {n: killer for n, killer in zip(numbers, progress, strict=True) if killer}
+        for count, (number, killer) in enumerate(zip(numbers, progress, strict=True), 1):
+            if killer:
+                results.killers[number] = killer
+            if count % 50 == 0 or count == len(numbers):
+                write_json(results)
 
 
-def run_sanitized(mutants: build.Numbered, jobs: int) -> dict[int, str]:
-    """The same under the sanitizers, which are slow: for those that live without."""
-    if not mutants:
-        return {}
-    build.write_texts(mutants)
-    print(f"{len(mutants)} alive; building the tests under sanitizers", file=sys.stderr)
-    return run_all(
-        Suite(build.build_tests("sanitized", build.SANITIZED, max(mutants))), mutants, jobs
-    )
+def run_living(results: Results, kind: str, jobs: int) -> None:
+    """Runs those that no test kills yet in a build of a kind of build.FLAGS."""
+    living = [n for n in results.mutants if n not in results.killers]
+    if not living:
+        return
+    build.write_texts({n: results.mutants[n] for n in living})
+    print(f"{len(living)} mutants; building the tests: {kind}", file=sys.stderr)
+    suite = Suite(build.build_tests(kind, max(living)), build.BUDGET[kind])
+    run_all(suite, living, results, jobs)
 
 
 def mutate(args: argparse.Namespace) -> Results:
     everything = build.all_mutants()
     reasons = argued(everything)
     choice, alone = choose(args, everything), build.Alone()
-    killers = choice.killers
-    left = {n: m for n, m in choice.mutants.items() if n not in killers}
+    left = {n: m for n, m in choice.mutants.items() if n not in choice.killers}
     compiled = build.write_what_compiles(left, alone)
-    mutants = {n: m for n, m in choice.mutants.items() if n in killers or n in compiled}
-    print(f"{len(compiled)} mutants; building the tests", file=sys.stderr)
-    killers |= run_all(
-        Suite(build.build_tests("plain", build.PLAIN, max(mutants))), compiled, args.jobs
-    )
-    killers |= run_sanitized({n: m for n, m in compiled.items() if n not in killers}, args.jobs)
-    equivalent = {n: why for n, why in reasons.items() if n in mutants and n not in killers}
-    alive = [n for n in mutants if n not in killers and n not in equivalent]
-    for number in tqdm(alive, unit="mutant", desc="Comparing object code"):
+    mutants = {n: m for n, m in choice.mutants.items() if n in choice.killers or n in compiled}
+    results = Results(mutants, choice.sampled & mutants.keys(), choice.killers, {})
+    for kind in build.FLAGS:
+        run_living(results, kind, args.jobs)
+    results.equivalent.update((n, reasons[n]) for n in results.living() if n in reasons)
+    for number in tqdm(results.living(), unit="mutant", desc="Comparing object code"):
         if same_code(*mutants[number], alone):
-            equivalent[number] = "the compiler makes the same code of it"
-    return Results(mutants, choice.sampled & mutants.keys(), killers, equivalent)
+            results.equivalent[number] = "the compiler makes the same code of it"
+    write_json(results)
+    return results
 
 
 def write_json(results: Results) -> None:
@@ -163,7 +163,6 @@ def main() -> int:
                 print(f"{number} {file}:{mutant.line} {mutant.operator}: {mutant.change}")
             return 0
         results = mutate(args)
-        write_json(results)
         written = tables(results)
         if args.file:
             del written["mutation-scores"]

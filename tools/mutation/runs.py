@@ -1,5 +1,6 @@
 """Which tests reach a mutant, and which of them fails."""
 
+import math
 import os
 import re
 import subprocess
@@ -59,8 +60,10 @@ def measure(programs: Mapping[str, Path]) -> list[Test]:
 class Suite:
     """Programs and their tests, to run mutants by."""
 
-    def __init__(self, programs: Mapping[str, Path]) -> None:
+    def __init__(self, programs: Mapping[str, Path], budget: float = math.inf) -> None:
+        """budget  seconds that a mutant's tests usually take in all: no more programs are run"""
         self.programs = programs
+        self.budget = budget
         self.tests = measure(programs)
         self.kills: Counter[tuple[str, str]] = Counter()  # in a place, by a program
 
@@ -75,10 +78,12 @@ class Suite:
             if number in test.reached:
                 reaching.setdefault(test.program, []).append(test)
 
-        def order(name: str) -> tuple[int, float]:
-            return -self.kills[place, name], sum(test.seconds for test in reaching[name])
-
-        for name in sorted(reaching, key=order):
+        seconds = {name: sum(t.seconds for t in tests) for name, tests in reaching.items()}
+        spent = 0.0
+        for name in sorted(reaching, key=lambda name: (-self.kills[place, name], seconds[name])):
+            spent += seconds[name]
+            if spent > self.budget:
+                break
             if found := self._fails(number, reaching[name]):
                 self.kills[place, name] += 1
                 return f"{name}: {found}"
