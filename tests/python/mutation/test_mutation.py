@@ -164,11 +164,11 @@ def test_an_argument_of_a_line_that_is_gone_is_found(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     gone = tmp_path / "argued.toml"
-    text = results.ARGUED.read_text("utf-8").replace("return a < b ?", "return a < c ?", 1)
-    gone.write_text(text, "utf-8")
+    listed = results.ARGUED.read_text("utf-8")
+    gone.write_text(listed.replace('line = "', 'line = "was ', 1), "utf-8")
     monkeypatch.setattr(results, "ARGUED", gone)
     monkeypatch.setattr(results, "ROOT", tmp_path)
-    with pytest.raises(ValueError, match=r"argued.toml: no mutant lib/joints/adapt.h \| "):
+    with pytest.raises(ValueError, match=r"argued.toml: no mutant lib/.* \| was "):
         results.argued(build.all_mutants())
 
 
