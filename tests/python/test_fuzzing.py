@@ -73,7 +73,12 @@ def test_every_format_of_weights_is_fuzzed() -> None:
 
 @pytest.fixture
 def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Of runs that found two inputs of lift."""
     monkeypatch.setattr(runs, "LOG", tmp_path / "log.jsonl")
+    monkeypatch.setattr("fuzzing.targets.OUT", tmp_path)
+    (tmp_path / "findings" / "lift").mkdir(parents=True)
+    for name in ("crash-1", "fast-2"):
+        (tmp_path / "findings" / "lift" / name).touch()
     return tmp_path / "log.jsonl"
 
 
@@ -87,7 +92,7 @@ def test_figures_of_the_same_sources_add_up(log: Path) -> None:
     sources = runs.logged(targets[0]).sources
     note(log, "lift", sources, 1000, 20, 7, 0)
     note(log, "lift", "of before", 5000, 5000, 900, 1)
-    note(log, "lift", sources, 100, 3, 9, 2)
+    note(log, "lift", sources, 100, 3, 9, 7)
     note(log, "lift_q", sources, 10, 1600, 5, 0)
     rows = rows_of(command.table_of(targets, with_lines=False))
     assert rows[0] == ["`lift`", "1,100", "23", "", "9", "", "2"]

@@ -20,7 +20,7 @@ from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
 from data.paths import DOCS
-from fuzzing.runs import GUIDED_SHARE, Figures, Lines, coverage_of, fuzz, logged
+from fuzzing.runs import GUIDED_SHARE, Figures, Lines, coverage_of, fuzz, logged, take_mended
 from fuzzing.targets import Target, all_targets, shown
 from reports import markdown
 
@@ -126,6 +126,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     found = 0
     if options.minutes:
         found = run_all(targets, options.minutes, options.jobs, options.guided)
+    for target in targets:
+        take_mended(target)
     say_findings(targets)
     text = table_of(all_targets() if options.update else targets, options.update)
     print(f"\n{text}")

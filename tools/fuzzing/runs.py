@@ -25,7 +25,7 @@ Lines = set[tuple[str, int]]  # file, line
 
 @dataclass
 class Figures:
-    """What runs of a target add up to."""
+    """What runs of a target add up to.  Findings are those that are left."""
 
     target: str
     sources: str  # hash of what was fuzzed
@@ -43,7 +43,7 @@ def hash_of(paths: Sequence[Path]) -> str:
 
 
 def logged(target: Target) -> Figures:
-    """The sum of the runs of these sources."""
+    """The sum of the runs of these sources, and the findings that are left."""
     total = Figures(target.name, hash_of(sources_of(target)))
     for line in LOG.read_text("utf-8").splitlines() if LOG.exists() else ():
         run = Figures(**json.loads(line))
@@ -51,7 +51,7 @@ def logged(target: Target) -> Figures:
             total.guided += run.guided
             total.fast += run.fast
             total.edges = max(total.edges, run.edges)
-            total.findings += run.findings
+    total.findings = len(list(target.findings.glob("*")))
     return total
 
 
@@ -60,6 +60,7 @@ def fuzz(target: Target, seconds: float, guided_share: float = GUIDED_SHARE) -> 
     figures = Figures(target.name, hash_of(sources_of(target)))
     for folder in (target.corpus, target.findings, work_of(target)):
         folder.mkdir(parents=True, exist_ok=True)
+    take_mended(target)
     before = set(target.findings.iterdir())
     if target.program == "readers":
         run_guided(target, seconds, figures)
@@ -73,6 +74,14 @@ def fuzz(target: Target, seconds: float, guided_share: float = GUIDED_SHARE) -> 
     with LOG.open("a", encoding="utf-8") as file:
         file.write(json.dumps(asdict(figures)) + "\n")
     return figures
+
+
+def take_mended(target: Target) -> None:
+    """Moves findings that are none any more into the corpus."""
+    for path in sorted(target.findings.iterdir()) if target.findings.exists() else ():
+        command = [*target.guided, *target.options, f"-timeout={SLOWEST}", shown(path)]
+        if run_logged(command, ROOT, target, "again")[0] == 0:
+            path.rename(target.corpus / path.name)
 
 
 def work_of(target: Target) -> Path:
