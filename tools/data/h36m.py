@@ -24,6 +24,7 @@ from data.array_pickles import load_arrays
 from data.mocap import STATURE_RANGE, MocapError
 from edmlift.joints import INDEX, JOINTS, indices
 
+LARGEST_CAMERAS = 1 << 20  # bytes of tables of cameras: VideoPose3D's have 9 KB
 LARGEST = 2 << 30  # bytes of positions: Human3.6M's are a sixth of that
 MILLIMETRE = 0.001
 Y_UP = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # takes a world with z up to ours
@@ -176,34 +177,43 @@ def read_cameras(path: Path, layout: Layout) -> dict[str, list[Camera]]:
             for subject, places in extrinsic.items()
             if all(places)
         }
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise MocapError(f"{path}: not cameras as VideoPose3D has them ({error})") from None
+    except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
+        what = one_line(error)
+        raise MocapError(f"{path}: not cameras as VideoPose3D has them ({what})") from None
 
 
-def _camera_tables(path: Path, layout: Layout) -> dict:
+def _camera_tables(path: Path, layout: Layout) -> dict[str, Any]:
     try:
+        check_size(path.stat().st_size, "the file", LARGEST_CAMERAS)
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise MocapError(
             f"{path}: no such file; take common/{layout.prefix}_dataset.py of the project "
             "VideoPose3D, or JSON with its two tables of cameras"
         ) from None
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ArchiveError, UnicodeDecodeError) as error:
         raise MocapError(f"{path}: not readable ({error})") from None
     try:
-        if path.suffix == ".json":
-            return json.loads(text)
-        return {
-            node.targets[0].id: ast.literal_eval(node.value)
-            for node in ast.parse(text).body
-            if isinstance(node, ast.Assign)
-            and isinstance(node.targets[0], ast.Name)
-            and re.fullmatch(r"\w+_cameras_\w+_params", node.targets[0].id)
-        }
-    except (ValueError, SyntaxError) as error:
+        return _tables_of_json(text) if path.suffix == ".json" else _tables_of_python(text)
+    except (ValueError, SyntaxError, RecursionError, MemoryError) as error:  # or nested too deeply
         raise MocapError(
-            f"{path}: neither Python nor JSON with tables of cameras ({error})"
+            f"{path}: neither Python nor JSON with tables of cameras ({one_line(error)})"
         ) from None
+
+
+def _tables_of_json(text: str) -> dict[str, Any]:
+    tables = json.loads(text)
+    return tables if isinstance(tables, dict) else {}
+
+
+def _tables_of_python(text: str) -> dict[str, Any]:
+    return {
+        node.targets[0].id: ast.literal_eval(node.value)
+        for node in ast.parse(text).body
+        if isinstance(node, ast.Assign)
+        and isinstance(node.targets[0], ast.Name)
+        and re.fullmatch(r"\w+_cameras_\w+_params", node.targets[0].id)
+    }
 
 
 def _camera(intrinsic: dict, extrinsic: dict) -> Camera:

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import pickle
 import subprocess
 import zipfile
@@ -350,6 +351,46 @@ def test_other_cameras_are_refused(tmp_path, text, message):
         read_cameras(path, H36M)
     path.write_text(text)
     with pytest.raises(MocapError, match=message):
+        read_cameras(path, H36M)
+
+
+LENS = '{"id": "1", "center": [512, %s], "focal_length": [1145, 1143]}'
+
+
+@pytest.mark.parametrize("suffix", ["json", "py"])
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[" * 5000, "neither Python nor JSON"),
+        ("{'a':" * 5000, "neither Python nor JSON"),
+        ("5", "no table h36m_cameras_intrinsic_params"),
+        (LENS % ("9" * 400), "not cameras as VideoPose3D has them"),
+        (LENS % ("[" * 500), "neither Python nor JSON"),
+    ],
+)
+def test_cameras_of_anything_are_refused_in_a_line(tmp_path, suffix, text, message):
+    """Too deep for Python's recursion, no tables, and numbers too large for a float."""
+    names = "h36m_cameras_intrinsic_params", "h36m_cameras_extrinsic_params"
+    if text.startswith('{"id"'):
+        place = '{"S1": [{"orientation": [1, 0, 0, 0], "translation": [1, 2, 3]}]}'
+        tables = f"[{text}]", place
+        if suffix == "json":
+            pairs = zip(names, tables, strict=True)
+            text = "{" + ", ".join(f'"{name}": {table}' for name, table in pairs) + "}"
+        else:
+            text = "".join(f"{n} = {table}\n" for n, table in zip(names, tables, strict=True))
+    path = tmp_path / f"cameras.{suffix}"
+    path.write_text(text)
+    with pytest.raises(MocapError, match=message) as error:
+        read_cameras(path, H36M)
+    assert "\n" not in str(error.value)
+
+
+def test_cameras_of_gigabytes_are_refused(tmp_path):
+    path = tmp_path / "cameras.py"
+    path.touch()
+    os.truncate(path, 1 << 40)
+    with pytest.raises(MocapError, match="the file takes 1048576 MB, at most 1 are read"):
         read_cameras(path, H36M)
 
 
