@@ -11,6 +11,10 @@ function(edmlift_compile target)
       -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-sections
       -pedantic -Wall -Wextra -Wconversion -Wshadow -Wvla -Wdouble-promotion)
   endif()
+  # There gcc computes floats in double as C99, which the library refuses, and in float as GNU C.
+  if(CMAKE_C_COMPILER_ID STREQUAL "GNU" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "s390x")
+    set_target_properties(${target} PROPERTIES C_EXTENSIONS ON)
+  endif()
   find_library(EDMLIFT_LIBM m)
   if(EDMLIFT_LIBM)
     target_link_libraries(${target} PUBLIC m)

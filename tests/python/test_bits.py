@@ -1,13 +1,16 @@
 """The same bits everywhere: compilers, levels of optimisation, processors."""
 
+import json
 import re
 import subprocess
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from builds import need, need_core, need_cross_compiler, run_firmware
+from builds import need, need_cross_compiler
 
+from reports import bits, markdown
+from reports.size import Disagreement
 from reports.targets import (
     INCLUDES,
     ROOT,
@@ -16,13 +19,11 @@ from reports.targets import (
     TARGETS,
     ToolError,
     compile_each,
-    compile_library,
     library_flags,
     run,
 )
 
-PROGRAM = ROOT / "tests" / "targets" / "bits.c"
-EXPECTED = (ROOT / "tests" / "bits.txt").read_text()  # of gcc -O0 on x86-64; by make_tables
+PROGRAM, EXPECTED = bits.PROGRAM, bits.EXPECTED.read_text("utf-8")
 
 # The kernels of processors without vectors: weights input by input, and in blocks by row.
 PORTABLE = ["-O2 -U__SSE2__", "-O2 -U__SSE2__ -DEDML_BLOCKS_BY_ROW"]
@@ -36,7 +37,7 @@ def test_most_poses_are_lifted_and_some_are_not() -> None:
         assert int(of) >= 200 and 0.8 * int(of) < int(lifted) < int(of)
 
 
-def bits(command: list[str], folder: Path) -> str:
+def printed(command: list[str], folder: Path) -> str:
     """What the program prints here, by a compiler and its flags."""
     objects = compile_each(command, folder, SMALL_SOURCES)
     run(*command, PROGRAM, *objects, "-lm", "-o", folder / "bits")
@@ -53,7 +54,7 @@ def test_every_compiler_and_level_gives_the_same_bits(
 ) -> None:
     need(compiler)
     command = [compiler, *library_flags(), *options.split(), *INCLUDES]
-    assert bits(command, tmp_path) == EXPECTED
+    assert printed(command, tmp_path) == EXPECTED
 
 
 @pytest.mark.parametrize("command", ["gcc", "gcc -ffp-contract=fast", "clang"])
@@ -62,7 +63,7 @@ def test_no_flag_is_needed_for_these_bits(command: str, tmp_path: Path) -> None:
     compiler, *options = command.split()
     need(compiler)
     flags = ["-std=gnu11", "-O2", "-march=native", *options, *INCLUDES]
-    assert bits([compiler, *flags], tmp_path) == EXPECTED
+    assert printed([compiler, *flags], tmp_path) == EXPECTED
 
 
 ANOTHER_ARITHMETIC = [  # of floats than IEEE 754's
@@ -84,7 +85,7 @@ def test_options_that_change_floats_are_refused_or_change_nothing(
     need(compiler)
     command = [compiler, "-std=gnu99", "-O2", "-w", *options.split(), *INCLUDES]
     try:
-        assert bits(command, tmp_path) == EXPECTED
+        assert printed(command, tmp_path) == EXPECTED
     except ToolError as refused:
         assert re.search("edmlift computes|'387' unit is not supported", str(refused))
 
@@ -132,14 +133,73 @@ def test_the_search_for_fused_instructions_finds_them(tmp_path: Path) -> None:
     assert fused_instructions(program, "cortex-m4f", tmp_path / "x.o") != []
 
 
+def need_row(row: bits.Row) -> None:
+    """Skips the test where a target's compiler or emulator is missing."""
+    if not bits.is_there(row):
+        pytest.skip(f"no {row.packages}")
+
+
 @pytest.mark.parametrize("name", TARGETS)
-def test_every_processor_gives_the_same_bits(name: str, tmp_path: Path) -> None:
-    target = TARGETS[name]
-    if name == "cortex-m0plus":  # three networks do not fit its board: its code on a larger one
-        large = TARGETS["cortex-m3"]
-        target = replace(target, board=large.board, flash=large.flash, ram=large.ram)
-    need_core(target)
-    library = compile_library(target, "-O2", tmp_path, SMALL_SOURCES)
-    wanted = [f"-DPARTS={1 << n}" for n in range(5)]
-    parts = [run_firmware(PROGRAM, target, tmp_path, library, part) for part in wanted]
-    assert "".join(parts) == EXPECTED
+def test_every_microcontroller_gives_the_same_bits(name: str) -> None:
+    row = bits.core(name)
+    need_row(row)
+    bits.compare(row)
+
+
+BIG_ENDIAN = next(row for row in bits.ROWS if row.target == "s390x")
+
+
+@pytest.mark.slow
+def test_a_big_endian_processor_gives_the_same_bits() -> None:
+    """The others are for tools/run.py reports.bits."""
+    need_row(BIG_ENDIAN)
+    bits.compare(replace(BIG_ENDIAN, flags=f"{BIG_ENDIAN.flags} -O1"))  # half the time
+
+
+def test_cmake_compiles_for_s390x_as_the_table_does(tmp_path: Path) -> None:
+    """As GNU C, because C99 there is refused: in gcc's C99, floats are computed in double."""
+    need("cmake")
+    need_row(BIG_ENDIAN)
+    system = ["-DCMAKE_SYSTEM_NAME=Linux", "-DCMAKE_SYSTEM_PROCESSOR=s390x"]
+    compiler = [f"-DCMAKE_C_COMPILER={BIG_ENDIAN.compiler}", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"]
+    run("cmake", "-S", ROOT, "-B", tmp_path, *system, *compiler)
+    commands = json.loads((tmp_path / "compile_commands.json").read_text("utf-8"))
+    command = next(c["command"] for c in commands if c["file"].endswith("/lift/lift_f32.c"))
+    run(*command.split(), "-fsyntax-only", cwd=tmp_path)
+    with pytest.raises(ToolError, match=bits.REFUSAL):
+        run(*command.split(), "-fsyntax-only", "-std=c99", cwd=tmp_path)
+
+
+# ---- The table of targets ----------------------------------------------------------------------
+
+
+def test_the_page_has_each_target() -> None:
+    table = markdown.read(bits.PAGE, "bits").splitlines()[2:]
+    written = [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
+    assert len(written) >= 12
+    for row, (target, arithmetic, _, flags, _, same, size) in zip(bits.ROWS, written, strict=True):
+        assert (row.target, row.arithmetic) == (target, arithmetic)
+        assert flags.strip("`").split()[1:] == row.flags.split()
+        wanted = ("yes", written[0][-1]) if row.same else ("refused when compiled", "")
+        assert (same, size) == wanted
+
+
+def printing(text: str) -> bits.Row:
+    """A target that prints this."""
+    return replace(BIG_ENDIAN, output=lambda row, folder: text)
+
+
+def test_other_bits_are_an_error_that_shows_them() -> None:
+    bits.compare(printing(EXPECTED))
+    first = EXPECTED.splitlines()[0]
+    with pytest.raises(Disagreement, match=r"s390x, .*: other bits\nfloat distances_f32 0000"):
+        bits.compare(printing(EXPECTED.replace(first.split()[2], "0" * 16)))
+    with pytest.raises(Disagreement, match="not refused"):
+        bits.compare(replace(printing(EXPECTED), same=False))
+
+
+def test_what_is_missing_is_named_by_its_packages(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bits.shutil, "which", lambda program: None)
+    packages = "gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user clang lld nodejs"
+    with pytest.raises(ToolError, match=rf"for s390x, WebAssembly please install .*: {packages}$"):
+        bits.require([BIG_ENDIAN, *bits.WASM])

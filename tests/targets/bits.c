@@ -6,12 +6,14 @@
  *
  * -DPARTS=N prints a part, so that it fits a small flash: 1 what distances lifts, 2 direct, 4 fconn, 8 the
  * rest, 16 videos.  -DPUBLIC leaves out what calls functions that a shared library does not export: the lines
- * that begin with fconv.
+ * that begin with fconv.  -DBYTES prints at the end of how many bytes these are the checksums.
  *
  * SPDX-License-Identifier: MIT
  */
-#include <stdio.h>
 #include <string.h>
+#ifndef __wasm__ /* which has no C library here: bits.mjs prints */
+#include <stdio.h>
+#endif
 
 #include "edmlift.h"
 #include "edmlift/angles.h"
@@ -32,12 +34,28 @@ static edml_work work;
 static edml_work_q work_q24;
 static uint64_t hash; /* FNV-1a */
 static uint32_t state;
+static unsigned long bytes;
 
-static void add_bytes(const void *data, size_t size)
+/* Adds words of 32 bits, or a shorter one, to the hash: the low byte of each first, wherever the processor has
+ * it. */
+static void add_words(const void *data, size_t size)
 {
+    static const uint16_t one = 1;
+    const int low_first = *(const uint8_t *)&one;
     const uint8_t *byte = data;
-    for (size_t n = 0; n < size; n++) hash = (hash ^ byte[n]) * 1099511628211U;
+    const size_t last = (size < 4 ? size : 4) - 1;
+    for (size_t n = 0; n < size; n++) hash = (hash ^ byte[low_first ? n : n ^ last]) * 1099511628211U;
+    bytes += (unsigned long)size;
 }
+
+/* A structure of words whose last member is shorter. */
+#define ADD_WITH(last, structure)                                                                             \
+    do {                                                                                                     \
+        const uint8_t *const first = (const uint8_t *)&(structure);                                          \
+        const uint32_t last_word = (structure).last;                                                         \
+        add_words(first, (size_t)((const uint8_t *)&(structure).last - first));                              \
+        add_words(&last_word, sizeof last_word);                                                             \
+    } while (0)
 
 /* An integer from 0 to below `range`. */
 static int draw(int range)
@@ -94,8 +112,8 @@ static int lift_poses(const edml_model *model)
         memset(&pose, 0, sizeof pose);
         hard_pose(in, n);
         const int8_t status = (int8_t)edml_lift(&pose, in, some_up(n), model, &work, sizeof work);
-        add_bytes(&status, sizeof status);
-        add_bytes(&pose, sizeof pose);
+        add_words(&status, sizeof status);
+        ADD_WITH(seen, pose);
         lifted += status == EDML_OK;
     }
     return lifted;
@@ -125,8 +143,8 @@ static int lift_poses_q24(const edml_model *model)
         hard_pose_q16(in, n);
         const int8_t status = (int8_t)edml_lift_q(&pose, in, some_up_q16(n), model, &work_q24,
                                                   sizeof work_q24);
-        add_bytes(&status, sizeof status);
-        add_bytes(&pose, sizeof pose);
+        add_words(&status, sizeof status);
+        ADD_WITH(seen, pose);
         lifted += status == EDML_OK;
     }
     return lifted;
@@ -147,10 +165,10 @@ static int place_poses(void)
         if (edml_lift_with_camera(&pose, in, some_up(n), &camera, &edml_distances_f32, &work,
                                   sizeof work) != EDML_OK)
             continue;
-        add_bytes(pose.joint, sizeof pose.joint);
+        add_words(pose.joint, sizeof pose.joint);
         const int8_t status = (int8_t)edml_place(&placement, &pose, in, &camera, &work, sizeof work);
-        add_bytes(&status, sizeof status);
-        add_bytes(&placement, sizeof placement);
+        add_words(&status, sizeof status);
+        ADD_WITH(steps, placement);
         placed += status == EDML_OK;
     }
     return placed;
@@ -170,11 +188,11 @@ static int place_poses_q24(void)
         if (edml_lift_with_camera_q(&pose, in, some_up_q16(n), &camera, &edml_distances_w16, &work_q24,
                                     sizeof work_q24) != EDML_OK)
             continue;
-        add_bytes(pose.joint, sizeof pose.joint);
+        add_words(pose.joint, sizeof pose.joint);
         const int8_t status = (int8_t)edml_place_q(&placement, &pose, in, &camera, &work_q24,
                                                    sizeof work_q24);
-        add_bytes(&status, sizeof status);
-        add_bytes(&placement, sizeof placement);
+        add_words(&status, sizeof status);
+        ADD_WITH(steps, placement);
         placed += status == EDML_OK;
     }
     return placed;
@@ -195,11 +213,11 @@ static int resize_poses(void)
         if (edml_lift(&pose, in, NULL, &edml_distances_f32, &work, sizeof work) != EDML_OK) continue;
         float quality = 0;
         edml_quality(&quality, &pose);
-        add_bytes(&quality, sizeof quality);
-        if (edml_stand(stood, &pose, up) == EDML_OK) add_bytes(stood, sizeof stood);
+        add_words(&quality, sizeof quality);
+        if (edml_stand(stood, &pose, up) == EDML_OK) add_words(stood, sizeof stood);
         const int8_t status = (int8_t)edml_fit_body(&pose, &owner);
-        add_bytes(&status, sizeof status);
-        add_bytes(pose.joint, sizeof pose.joint);
+        add_words(&status, sizeof status);
+        add_words(pose.joint, sizeof pose.joint);
         resized += status == EDML_OK;
     }
     return resized;
@@ -220,11 +238,11 @@ static int resize_poses_q24(void)
             continue;
         int32_t quality = 0;
         edml_quality_q(&quality, &pose);
-        add_bytes(&quality, sizeof quality);
-        if (edml_stand_q(stood, &pose, up) == EDML_OK) add_bytes(stood, sizeof stood);
+        add_words(&quality, sizeof quality);
+        if (edml_stand_q(stood, &pose, up) == EDML_OK) add_words(stood, sizeof stood);
         const int8_t status = (int8_t)edml_fit_body_q(&pose, &owner);
-        add_bytes(&status, sizeof status);
-        add_bytes(pose.joint, sizeof pose.joint);
+        add_words(&status, sizeof status);
+        add_words(pose.joint, sizeof pose.joint);
         resized += status == EDML_OK;
     }
     return resized;
@@ -245,8 +263,8 @@ static int measure_poses(void)
         measured += edml_angles(degrees, &pose, up) == EDML_OK;
         for (int k = 0; k < EDML_ANGLES; k++) {
             const uint8_t there = degrees[k] >= -180; /* the bits of NaN are not the library's */
-            add_bytes(&there, sizeof there);
-            if (there) add_bytes(&degrees[k], sizeof degrees[k]);
+            add_words(&there, sizeof there);
+            if (there) add_words(&degrees[k], sizeof degrees[k]);
         }
     }
     return measured;
@@ -265,7 +283,7 @@ static int measure_poses_q24(void)
             continue;
         for (int j = 0; j < EDML_JOINTS && n % 4 == 0; j++) pose.joint[j].z = 64 * (draw(2049) - 1024);
         measured += edml_angles_q(degrees, &pose, up) == EDML_OK;
-        add_bytes(degrees, sizeof degrees);
+        add_words(degrees, sizeof degrees);
     }
     return measured;
 }
@@ -290,18 +308,18 @@ static int place_videos(void)
         if (edml_lift(&pose, in, NULL, &edml_distances_f32, &work, sizeof work) != EDML_OK) continue;
         edml_measure_body(&measured, &pose);
         edml_fit_body(&pose, &measured.body);
-        add_bytes(pose.joint, sizeof pose.joint);
+        add_words(pose.joint, sizeof pose.joint);
         if (n % 4 == 0) edml_focal_add(&focal, &pose, in, &work, sizeof work);
         edml_focal_camera(&camera, &focal);
-        add_bytes(&camera, sizeof camera);
+        add_words(&camera, sizeof camera);
         if (edml_place(&placement, &pose, in, &camera, &work, sizeof work) != EDML_OK) continue;
         const int8_t status = (int8_t)edml_path_follow(&path, &placement, (uint32_t)(40 * n));
-        add_bytes(&status, sizeof status);
-        add_bytes(&placement.translation, sizeof placement.translation);
+        add_words(&status, sizeof status);
+        add_words(&placement.translation, sizeof placement.translation);
         followed += status == EDML_OK;
     }
-    add_bytes(measured.body.bone, sizeof measured.body.bone);
-    add_bytes(focal.misfit, sizeof focal.misfit);
+    add_words(measured.body.bone, sizeof measured.body.bone);
+    add_words(focal.misfit, sizeof focal.misfit);
     return followed;
 }
 
@@ -325,18 +343,18 @@ static int place_videos_q24(void)
             continue;
         edml_measure_body_q(&measured, &pose);
         edml_fit_body_q(&pose, &measured.body);
-        add_bytes(pose.joint, sizeof pose.joint);
+        add_words(pose.joint, sizeof pose.joint);
         if (n % 4 == 0) edml_focal_add_q(&focal, &pose, in, &work_q24, sizeof work_q24);
         edml_focal_camera_q(&camera, &focal);
-        add_bytes(&camera, sizeof camera);
+        add_words(&camera, sizeof camera);
         if (edml_place_q(&placement, &pose, in, &camera, &work_q24, sizeof work_q24) != EDML_OK) continue;
         const int8_t status = (int8_t)edml_path_follow_q(&path, &placement, (uint32_t)(40 * n));
-        add_bytes(&status, sizeof status);
-        add_bytes(&placement.translation, sizeof placement.translation);
+        add_words(&status, sizeof status);
+        add_words(&placement.translation, sizeof placement.translation);
         followed += status == EDML_OK;
     }
-    add_bytes(measured.body.bone, sizeof measured.body.bone);
-    add_bytes(focal.misfit, sizeof focal.misfit);
+    add_words(measured.body.bone, sizeof measured.body.bone);
+    add_words(focal.misfit, sizeof focal.misfit);
     return followed;
 }
 
@@ -369,10 +387,10 @@ static int track_poses(void)
         const float distance = edml_track_distance(&track, in, time);
         const int8_t status = (int8_t)edml_track_lift(&pose, &track, in, time, NULL, &edml_distances_f32,
                                                       &work, sizeof work);
-        add_bytes(&distance, sizeof distance);
-        add_bytes(&status, sizeof status);
-        add_bytes(&pose, sizeof pose);
-        add_bytes(&track.swapped, sizeof track.swapped);
+        add_words(&distance, sizeof distance);
+        add_words(&status, sizeof status);
+        ADD_WITH(seen, pose);
+        add_words(&track.swapped, sizeof track.swapped);
         lifted += status == EDML_OK;
     }
     return lifted;
@@ -397,10 +415,10 @@ static int track_poses_q24(void)
         const int32_t distance = edml_track_distance_q(&track, in, time);
         const int8_t status = (int8_t)edml_track_lift_q(&pose, &track, in, time, NULL, &edml_distances_w16,
                                                         &work_q24, sizeof work_q24);
-        add_bytes(&distance, sizeof distance);
-        add_bytes(&status, sizeof status);
-        add_bytes(&pose, sizeof pose);
-        add_bytes(&track.swapped, sizeof track.swapped);
+        add_words(&distance, sizeof distance);
+        add_words(&status, sizeof status);
+        ADD_WITH(seen, pose);
+        add_words(&track.swapped, sizeof track.swapped);
         lifted += status == EDML_OK;
     }
     return lifted;
@@ -415,8 +433,8 @@ static void decompose_matrices(void)
         for (int i = 0; i < EDML_JOINTS; i++)
             for (int j = i; j < EDML_JOINTS; j++) a.at[i][j] = draw_float();
         edml_jacobi(&e, &a);
-        add_bytes(e.value, sizeof e.value);
-        add_bytes(e.vector, sizeof e.vector);
+        add_words(e.value, sizeof e.value);
+        add_words(e.vector, sizeof e.vector);
     }
 }
 
@@ -428,10 +446,10 @@ static void refine_shapes(void)
         float distance[EDML_PAIRS];
         for (int k = 0; k < EDML_PAIRS; k++) distance[k] = 1.0F + draw_float();
         edml_mds(x, distance, &work);
-        add_bytes(x, sizeof x);
+        add_words(x, sizeof x);
         const edml_objective objective = (edml_objective)(EDML_STRESS_SQUARE + n % 3);
         edml_refine(x, distance, objective, STEPS, &work);
-        add_bytes(x, sizeof x);
+        add_words(x, sizeof x);
     }
 }
 
@@ -444,8 +462,8 @@ static void decompose_matrices_q24(void)
         for (int i = 0; i < EDML_JOINTS; i++)
             for (int j = i; j < EDML_JOINTS; j++) a.at[i][j] = (draw(2049) - 1024) * (1 << 14);
         edml_jacobi_q(&e, &a);
-        add_bytes(e.value, sizeof e.value);
-        add_bytes(e.vector, sizeof e.vector);
+        add_words(e.value, sizeof e.value);
+        add_words(e.vector, sizeof e.vector);
     }
 }
 
@@ -456,10 +474,10 @@ static void refine_shapes_q24(void)
         int32_t distance[EDML_PAIRS];
         for (int k = 0; k < EDML_PAIRS; k++) distance[k] = draw(2049) * (1 << 14);
         edml_mds_q(x, distance, &work_q24);
-        add_bytes(x, sizeof x);
+        add_words(x, sizeof x);
         const edml_objective objective = (edml_objective)(EDML_STRESS_SQUARE + n % 3);
         edml_refine_q(x, distance, objective, STEPS, &work_q24);
-        add_bytes(x, sizeof x);
+        add_words(x, sizeof x);
     }
 }
 
@@ -469,22 +487,32 @@ static void start(void)
     state = 1;
 }
 
-static void report_of(const char *what, int count, int of, const char *done)
+#ifdef __wasm__
+__attribute__((import_module("bits"), import_name("print"))) void
+print_line(const char *what, const char *model, uint32_t high, uint32_t low, int count, int of, const char *done);
+#else
+static void print_line(const char *what, const char *model, uint32_t high, uint32_t low, int count, int of,
+                       const char *done)
 {
-    printf("%s %08lx%08lx %d of %d %s\n", what, (unsigned long)(hash >> 32),
-           (unsigned long)(hash & 0xFFFFFFFFU), count, of, done);
+    printf("%s%s %08lx%08lx %d of %d %s\n", what, model, (unsigned long)high, (unsigned long)low, count, of,
+           done);
+}
+#endif
+
+static void report_of(const char *what, const char *model, int count, int of, const char *done)
+{
+    print_line(what, model, (uint32_t)(hash >> 32), (uint32_t)hash, count, of, done);
 }
 
-static void report(const char *what, int count, const char *done) { report_of(what, count, POSES, done); }
+static void report(const char *what, int count, const char *done) { report_of(what, "", count, POSES, done); }
 
 static void report_lifts(const edml_model *f32, const edml_model *w16, const edml_model *w8)
 {
     const edml_model *const models[] = {f32, w16, w16, w8};
     for (int n = 0; n < 4; n++) {
-        char what[32];
-        snprintf(what, sizeof what, "%s %s", n < 2 ? "float" : "fixed", edml_model_name(models[n]));
         start();
-        report(what, n < 2 ? lift_poses(models[n]) : lift_poses_q24(models[n]), "lifted");
+        const int lifted = n < 2 ? lift_poses(models[n]) : lift_poses_q24(models[n]);
+        report_of(n < 2 ? "float " : "fixed ", edml_model_name(models[n]), lifted, POSES, "lifted");
     }
 }
 
@@ -493,11 +521,11 @@ static void report_the_rest(void)
     start();
     decompose_matrices();
     refine_shapes();
-    report_of("float", MATRICES + SHAPES, MATRICES + SHAPES, "computed");
+    report_of("float", "", MATRICES + SHAPES, MATRICES + SHAPES, "computed");
     start();
     decompose_matrices_q24();
     refine_shapes_q24();
-    report_of("fixed", MATRICES + SHAPES, MATRICES + SHAPES, "computed");
+    report_of("fixed", "", MATRICES + SHAPES, MATRICES + SHAPES, "computed");
     start();
     report("float", place_poses(), "placed");
     start();
@@ -525,7 +553,7 @@ static int convolve(const edml_model *model)
             image.at[j].v = 2.0F * draw_float();
         }
         edml_predict(&said, &image, NULL, model, &fconv_work, sizeof fconv_work);
-        add_bytes(said.distance, sizeof said.distance);
+        add_words(said.distance, sizeof said.distance);
     }
     return NETS;
 }
@@ -534,9 +562,9 @@ static void report_small_networks(void)
 {
     const edml_model f32 = tiny_f32(), w8 = tiny_w8();
     start();
-    report_of("fconv f32", convolve(&f32), NETS, "computed");
+    report_of("fconv ", "f32", convolve(&f32), NETS, "computed");
     start();
-    report_of("fconv w8", convolve(&w8), NETS, "computed");
+    report_of("fconv ", "w8", convolve(&w8), NETS, "computed");
 }
 #endif
 
@@ -562,5 +590,8 @@ int main(void)
     if (PARTS & 8) report_small_networks();
 #endif
     if (PARTS & 16) report_videos();
+#ifdef BYTES
+    printf("%lu bytes\n", bytes);
+#endif
     return 0;
 }

@@ -18,28 +18,14 @@ from channels.archives import write_tar
 from channels.version import version
 from data.paths import DOCS, ROOT
 from reports.targets import ToolError, run
+from reports.wasm import COMPILE, EXPORTED, LINK, NPM
 
-NPM = ROOT / "tools" / "npm"
 PAGE, EXAMPLE = DOCS / "browser.md", ROOT / "examples" / "javascript" / "lift.mjs"
 TEXTS = ("package.json", "index.js", "index.d.ts", "README.md")
 MODELS = ("direct_w8", "direct_w16", "direct_f32", "distances_w8", "distances_w16", "distances_f32")
 PARTS = ("angles", "body", "camera", "many", "video")
 # What is added to a model's name, and the compiler's options for it.
 VARIANTS = {"": ["-msimd128"], "_scalar": []}
-# Loops that the compiler makes vectors of, or unrolls, are longer and no faster: the kernels say
-# themselves where they want either.
-COMPILE = [
-    "clang", "--target=wasm32", "-std=c99", "-O2",
-    "-fno-vectorize", "-fno-slp-vectorize", "-fno-unroll-loops",
-    "-mbulk-memory", "-mnontrapping-fptoint",
-    "-fvisibility=hidden", "-ffreestanding", f"-I{NPM / 'libc'}",
-    "-ffunction-sections", "-fdata-sections",
-]  # fmt: skip
-EXPORTED = ["-fvisibility=default"]  # all of glue.c, and nothing of the library
-LINK = [
-    "wasm-ld", "--no-entry", "--export-dynamic", "--gc-sections", "--strip-all", "--stack-first",
-    "-z", "stack-size=16384",
-]  # fmt: skip
 
 
 def build(out: Path) -> list[Path]:
