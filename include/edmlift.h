@@ -99,7 +99,7 @@ typedef struct {
     X(EDML_ERR_TIME, -8, "time")             /* not later than the last frame, or by over 24 days */    \
     X(EDML_ERR_BODY, -9, "body")             /* impossible, or contradictory, body measurements */
 
-#define EDML_STATUS_ENUM(name, value, text) name = value,
+#define EDML_STATUS_ENUM(name, value, text) name = (value),
 typedef enum { EDML_STATUSES(EDML_STATUS_ENUM) } edml_status;
 #undef EDML_STATUS_ENUM
 

@@ -91,7 +91,7 @@ static int number_of(const char *name, int length, const options *set)
     }
     const int axis = length > 1 ? axis_of(name, 1) : -1;
     const size_t digits = axis >= 0 ? strspn(name + 1, "0123456789") : 0;
-    return digits > 0 && (int)digits == length - 1 && digits < 4 ? 3 * atoi(name + 1) + axis : -1;
+    return digits > 0 && (int)digits == length - 1 && digits < 4 ? 3 * (int)strtol(name + 1, NULL, 10) + axis : -1;
 }
 
 static int refuse_heading(const char *why, const options *set)

@@ -199,7 +199,7 @@ static void set_camera(options *set, const char *text)
 
 static void set_up(options *set, const char *text)
 {
-    float n[3];
+    float n[3] = {0, 0, 0};
     const int read = read_list(n, 3, text);
     const float length = read ? sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) : 0;
     if (!(length > 0)) {
