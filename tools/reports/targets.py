@@ -127,11 +127,11 @@ def compile_each(command: list[str], folder: Path, sources: list[Path] = SOURCES
 
 
 def compile_library(
-    target: Target, level: str, folder: Path, sources: list[Path] = SOURCES
+    target: Target, level: str, folder: Path, sources: list[Path] = SOURCES, *options: str
 ) -> list[Path]:
     """The library in a folder, as a file for the linker: an archive, of which a program links what
     it calls."""
-    objects = compile_each(compiler(target, level), folder, sources)
+    objects = compile_each([*compiler(target, level), *options], folder, sources)
     archive = folder / "libedmlift.a"
     run(f"{target.system.cross}ar", "rcs", archive, *objects)
     return [archive]
