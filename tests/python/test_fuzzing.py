@@ -120,7 +120,7 @@ def test_comments_are_no_sources(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "arguments, message",
     [
-        (["nobody"], "fuzz: no target nobody: tools/fuzz --list names them"),
+        (["nobody"], "no target nobody: tools/fuzz --list names them"),
         (["--minutes", "-1"], "--minutes must be 0 or more"),
         (["--guided", "1.5"], "--guided 0 to 1"),
     ],

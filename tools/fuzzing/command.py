@@ -28,11 +28,10 @@ PAGE = DOCS / "fuzzing.md"
 
 
 def chosen(names: Sequence[str]) -> list[Target]:
+    """The targets of these names, or all; ValueError if one is none's."""
     known = {target.name: target for target in all_targets()}
     if unknown := set(names) - set(known):
-        raise SystemExit(
-            f"fuzz: no target {', '.join(sorted(unknown))}: tools/fuzz --list names them"
-        )
+        raise ValueError(f"no target {', '.join(sorted(unknown))}: tools/fuzz --list names them")
     return [known[name] for name in names] if names else list(known.values())
 
 
@@ -117,7 +116,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--update", action="store_true", help=f"write {shown(PAGE)}, of all targets"
     )
     options = parser.parse_args(arguments)
-    targets = chosen(options.targets)
+    try:
+        targets = chosen(options.targets)
+    except ValueError as error:
+        parser.error(str(error))
     if options.list:
         print(*(target.name for target in targets), sep="\n")
         return 0
