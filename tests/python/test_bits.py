@@ -57,6 +57,7 @@ def test_every_compiler_and_level_gives_the_same_bits(
     assert printed(command, tmp_path) == EXPECTED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["gcc", "gcc -ffp-contract=fast", "clang"])
 def test_no_flag_is_needed_for_these_bits(command: str, tmp_path: Path) -> None:
     """As GNU C, which fuses products and sums where the processor can: the sources forbid it."""
@@ -77,6 +78,7 @@ ANOTHER_ARITHMETIC = [  # of floats than IEEE 754's
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize("options", ANOTHER_ARITHMETIC)
 def test_options_that_change_floats_are_refused_or_change_nothing(
@@ -120,6 +122,7 @@ def fused_instructions(source: Path, name: str, item: Path) -> list[str]:
     return FUSED.findall(run(f"{system.cross}objdump", "-d", item))
 
 
+@pytest.mark.slow
 def test_no_instruction_is_fused_on_a_cortex_m4f(tmp_path: Path) -> None:
     floats = [source for source in SOURCES if "float" in source.read_text() or "f32" in source.stem]
     assert len(floats) > 8
@@ -139,6 +142,7 @@ def need_row(row: bits.Row) -> None:
         pytest.skip(f"no {row.packages}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TARGETS)
 def test_every_microcontroller_gives_the_same_bits(name: str) -> None:
     row = bits.core(name)

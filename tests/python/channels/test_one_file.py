@@ -118,6 +118,7 @@ def test_only_what_was_asked_for_is_there(tmp_path: Path) -> None:
     assert not exported & others
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", [part for part in known_parts() if part not in ("float", "fixed")])
 def test_a_part_alone_declares_its_header_and_compiles(part: str, tmp_path: Path) -> None:
     """In one of the arithmetics; what it calls is defined."""

@@ -72,6 +72,7 @@ def rolled(views: Views, angle: float) -> Views:
     return views._replace(keypoints=cameras.keypoints(points), up=0 * views.up)
 
 
+@pytest.mark.slow
 def test_without_the_bodys_frame_a_rolled_camera_matters():
     exact = {"iid": 0.0, "detector": 0.0, "masks": False}
     recipe = dataclasses.replace(recipe_without("direct", "frame"), **exact)

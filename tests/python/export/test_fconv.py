@@ -159,6 +159,7 @@ def predict(folder: Path, form: str, edms: np.ndarray) -> np.ndarray:
     return load_network(build_model(header, *WARNINGS), f"their_{form}", 91)(edms)
 
 
+@pytest.mark.slow
 def test_c_is_the_oracle(folder, edms):
     with np.load(folder / "net.npz") as file:
         arrays = dict(file)
@@ -167,6 +168,7 @@ def test_c_is_the_oracle(folder, edms):
         np.testing.assert_allclose(distance, reference.fconv(arrays, edm), rtol=0, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_c_in_integers_is_numpy_exactly(folder, edms):
     _, layers = read_network(folder / "net.npz")
     calibration = json.loads((folder / "net.json").read_text())["calibration"]
@@ -190,12 +192,14 @@ def test_weights_that_are_not_short_work_too(tmp_path, edms):
 # ---- The header --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_same_weights_give_the_same_header(folder):
     for form in ("f32", "w8"):
         first = export(folder, form)[1].read_bytes()
         assert export(folder, form)[1].read_bytes() == first
 
 
+@pytest.mark.slow
 def test_it_says_what_it_is(folder, params):
     text = export(folder, "w8")[1].read_text()
     weights = sum(params[f"{name}_weight"].size for name in NAMES)
@@ -239,6 +243,7 @@ def made_up(arrays: dict[str, np.ndarray]) -> dict:
     }
 
 
+@pytest.mark.slow
 def test_the_last_layers_sums_leave_a_bit_for_adding_two(folder):
     _, layers = read_network(folder / "net.npz")
     calibration = json.loads((folder / "net.json").read_text())["calibration"]
@@ -308,6 +313,7 @@ def test_channels_come_in_groups_that_fit(tmp_path, capsys):
         assert fine or "8, 16 ... 64" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_it_has_no_16_bit_form(folder, capsys):
     assert export(folder, "w16")[0] == 1
     assert "an fconv is quantised as w8 only" in capsys.readouterr().err

@@ -31,6 +31,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", [".keras", ".h5"])
 @pytest.mark.parametrize("model", ["plain", "norms", "no_bias", "functional", "many"])
 def test_model(tmp_path: Path, folder: Path, model: str, end: str) -> None:

@@ -343,6 +343,7 @@ def test_mat_of_cells_within_cells(tmp_path: Path, capsys, compressed: bool) -> 
     assert "holds more than 5000 values" in refused(tmp_path, capsys, path)
 
 
+@pytest.mark.slow
 def test_mat_of_cells_that_hold_each_other(tmp_path: Path) -> None:
     """Thirty cells, of which each holds the next one ten times: 10^30 values."""
     path = tmp_path / "net.mat"

@@ -51,6 +51,7 @@ def someone(count: int, joints: np.ndarray) -> Motion:
 
 
 @pytest.mark.claims("gen/joint_limits.h", "edml__joint_limit_maps")
+@pytest.mark.slow
 def test_the_header_is_learned_from_the_training_people_byte_for_byte(tmp_path: Path):
     out = tmp_path / "joint_limits.h"
     done = run_tool("fitting.joint_limits", need_motion(TRAIN), "--out", out)
@@ -178,6 +179,7 @@ def tables(library: Library) -> dict[str, str]:
 @pytest.mark.claims("docs/accuracy-log.md", "mirror_distances", "mirror_direct", "mirror_fconn")
 @pytest.mark.claims("docs/accuracy-log.md", "mirror_actions_distances")
 @pytest.mark.claims("docs/accuracy-log.md", "violations_distances", "violations_fconn")
+@pytest.mark.slow
 def test_tables_are_those_of_the_page(tables: dict[str, str]):
     assert len(tables) == 3 * len(mirror.MODELS)
     shown = [name for name in tables if f"<!-- begin {name} -->" in PAGE.read_text("utf-8")]
@@ -196,6 +198,7 @@ def row_of(table: str, title: str) -> list[float]:
     return [float(cell) for cell in line.split("|")[2:-1]]
 
 
+@pytest.mark.slow
 def test_the_score_and_the_limits_are_right_of_true_poses(tables: dict[str, str]):
     table, violations = (set_of(tables[f"{name}_fconn"], 0) for name in ("mirror", "violations"))
     score, limits, chance, best = (
@@ -209,6 +212,7 @@ def test_the_score_and_the_limits_are_right_of_true_poses(tables: dict[str, str]
     assert (limits[1::2] < chance[1::2]).all() and (limits[1::2] >= best[1::2]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("model", "number", "least"),
     [("distances", 0, 99.5), ("direct", 0, 99.5), ("distances", 1, 96.0), ("direct", 1, 98.0)],

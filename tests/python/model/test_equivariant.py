@@ -131,6 +131,7 @@ def test_mirror_pairs_are_pairs_with_left_for_right():
     assert own.tolist() == [False] * 42 + [True] * skeleton.SELF_MIRRORED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("imputed", [True, False])
 def test_the_body_frame_is_the_oracles(views, imputed):
     table = constants.imputation() if imputed else None
@@ -159,6 +160,7 @@ def test_the_body_frame_stands_a_turned_person_up(views):
         )
 
 
+@pytest.mark.slow
 def test_inputs_are_the_oracles(net, views, image):
     mine = [np.asarray(x) for x in lifter.inputs(net.kind.model, image, views.up)]
     assert [x.shape[1] for x in mine] == [
@@ -174,6 +176,7 @@ def test_inputs_are_the_oracles(net, views, image):
             np.testing.assert_allclose(one[k], other, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_the_network_is_the_oracles(net):
     even = net.kind.even_inputs
     known = layout.layout(net.kind.model)
@@ -193,6 +196,7 @@ def jax_poses(net: Net, views: Views) -> np.ndarray:
     return pose - mid_hip(pose)[:, None]
 
 
+@pytest.mark.slow
 def test_the_lift_is_the_oracles(net, views):
     mine = jax_poses(net, views)
     off = []
@@ -205,6 +209,7 @@ def test_the_lift_is_the_oracles(net, views):
     assert np.median(off) < 1e-4 and np.mean(np.array(off) < 5e-3) > 0.95
 
 
+@pytest.mark.slow
 def test_left_and_right_are_alike(net, views):
     keypoints = views.keypoints[:, skeleton.MIRROR] * np.array([-1, 1, 1], np.float32)
     flipped = Views(keypoints, views.truth, views.up * np.array([-1, 1, 1], np.float32))
@@ -218,11 +223,13 @@ def test_left_and_right_are_alike(net, views):
 # ---- C -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_c_is_the_oracle(folder, net):
     run = load_network(exported(folder, "f32"), "their_f32", net.rows)
     np.testing.assert_allclose(run(net.inputs), oracle(net, net.inputs), atol=2e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_c_in_integers_is_numpy_exactly(folder, net, form):
     network = integers(folder, net, form)
@@ -267,6 +274,7 @@ def c_lift(shared: Path, name: str, keypoints: np.ndarray, up: np.ndarray) -> tu
     return joints, np.array([pose.misfit for pose in poses])
 
 
+@pytest.mark.slow
 def test_the_lift_of_c_is_the_oracles(folder, net, views):
     joints, misfits = c_lift(exported(folder, "f32"), "their_f32", views.keypoints, 3 * views.up)
     off = []
@@ -281,6 +289,7 @@ def test_the_lift_of_c_is_the_oracles(folder, net, views):
 # ---- The proof ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_no_sum_can_overflow(folder, net, form):
     """Both units of a mirror pair are within 0 and the largest activation, inputs within +-8;
@@ -302,6 +311,7 @@ def test_no_sum_can_overflow(folder, net, form):
     assert form == "w8" or fullest > 0.99 * WORD  # no bit is wasted
 
 
+@pytest.mark.slow
 def test_calibration_measures_both_of_a_mirror_pair(folder, net):
     """Means of odd inputs are 0: a view's mirror image is as likely as the view."""
     noted = json.loads((folder / "net.json").read_text())["calibration"]
@@ -312,6 +322,7 @@ def test_calibration_measures_both_of_a_mirror_pair(folder, net):
     assert noted["views"] == len(net.inputs)
 
 
+@pytest.mark.slow
 def test_gates_do_not_count_as_metres(net):
     known = layout.layout(net.kind.model)
     rows = len(known.has_even)
@@ -326,6 +337,7 @@ def test_gates_do_not_count_as_metres(net):
 # ---- The header --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_model_says_what_it_reads_and_gives(folder, net):
     exported(folder, "w16")
     text = (folder / "their_w16.h").read_text()
@@ -377,6 +389,7 @@ def ones(inputs: int, outputs: int) -> Layer:
     return Layer(np.ones((inputs, outputs), np.float32), np.ones(outputs, np.float32))
 
 
+@pytest.mark.slow
 def test_other_shapes_are_refused(folder, net, capsys):
     inputs, rows, last = net.kind.inputs, net.rows, net.layers[-1]
     said = refused(folder, capsys, [ones(inputs, 36), ones(72, 56), last])
@@ -392,6 +405,7 @@ def test_other_shapes_are_refused(folder, net, capsys):
     assert f"the last layer gives 48 values, not {rows}" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", ["even weight", "odd weight", "bias"])
 def test_rows_that_are_their_own_mirror_image(net, part):
     """The weights that such a row does not have must be 0."""
@@ -410,6 +424,7 @@ def test_rows_that_are_their_own_mirror_image(net, part):
         net.kind.checked([*net.layers[:2], (weight, bias)])
 
 
+@pytest.mark.slow
 def test_a_manifest_must_have_what_the_kind_needs(folder, net, capsys):
     (folder / "net.json").write_text(json.dumps({"missing": "imputed"}))
     assert cli.main([str(folder / "net.npz"), "--out", str(folder / "x.h")]) == 1
@@ -418,6 +433,7 @@ def test_a_manifest_must_have_what_the_kind_needs(folder, net, capsys):
     assert f"net.json lacks {needs}\n" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_units_that_fire(net):
     """Of a pair: where the sum of its two activations is not 0."""
     count = net.kind.even_inputs

@@ -131,6 +131,7 @@ def oracle_moves(distance, objective) -> float:
     return max(apart(end, ends[0]) for end in ends)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("objective", ["square", "raw", "eq2"])
 def test_refinement(library, predicted, objective):
     """Five steps agree in every pose.  In a flat valley ten amplify rounding a thousandfold: there

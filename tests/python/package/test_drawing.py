@@ -50,6 +50,7 @@ def test_one_pose_is_a_strip(tmp_path: Path):
         assert 800 <= image.width <= 1500 and image.height < 0.7 * image.width
 
 
+@pytest.mark.slow
 def test_animation(tmp_path: Path):
     out = tmp_path / "walk.gif"
     edmlift.draw(poses(), out, title="A walk")
@@ -66,6 +67,7 @@ def test_animation(tmp_path: Path):
     assert out.stat().st_size < 1_500_000
 
 
+@pytest.mark.slow
 def test_one_pose_turns_for_a_while(tmp_path: Path):
     out = tmp_path / "one.gif"
     edmlift.draw(poses(1), out, fps=25)
@@ -80,6 +82,7 @@ def test_poses_without_an_image(tmp_path: Path):
         assert image.height < whole.height
 
 
+@pytest.mark.slow
 def test_refused_poses_and_missing_joints(tmp_path: Path):
     status = np.array(["ok", "ok", "too_few_joints", "ok"])
     keypoints, joints = WALK[:4].copy(), TRUTH[:4].copy()
@@ -93,6 +96,7 @@ def test_refused_poses_and_missing_joints(tmp_path: Path):
     assert not {rgb(SIDES["left"]), rgb(SIDES["right"])} - colours(tmp_path / "refused.png")
 
 
+@pytest.mark.slow
 def test_a_photo_is_behind_the_keypoints(tmp_path: Path):
     photo = np.full((1000, 1000, 3), (40, 200, 90), np.uint8)
     Image.fromarray(photo).save(tmp_path / "photo.png")

@@ -621,6 +621,7 @@ def anything(rng: random.Random, depth: int) -> Any:
     return rng.choice([None, True, 1, -2.5, 1e400, "nose", 10**400, float("nan")])
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 def test_3000_values_of_anything_are_read_or_refused():
     rng = random.Random(6)

@@ -157,6 +157,7 @@ def test_poses_of_all_kinds(tmp_path: Path):
     assert data_of(out)["statuses"] == ["degenerate"]
 
 
+@pytest.mark.slow
 def test_an_hour_is_small(tmp_path: Path):
     """The sizes that the docstring and docs/view.md name."""
     empty, many, both = (tmp_path / f"{name}.html" for name in ("empty", "many", "both"))
@@ -720,6 +721,7 @@ def test_a_picture_is_behind_the_joints(page: Page, tmp_path: Path):
         assert np.abs(shown - wanted).max() < 6
 
 
+@pytest.mark.slow
 @in_a_browser
 def test_one_pose_has_no_time_line(page: Page, tmp_path: Path):
     opened(page, tmp_path / "x.html", poses(1))
@@ -729,6 +731,7 @@ def test_one_pose_has_no_time_line(page: Page, tmp_path: Path):
     assert not state(page)["playing"]
 
 
+@pytest.mark.slow
 @in_a_browser
 def test_an_hour_opens(page: Page, tmp_path: Path):
     hour = np.arange(HOUR) % FRAMES

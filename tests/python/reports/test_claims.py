@@ -209,6 +209,7 @@ def test_fixed_point_is_the_float_lift(forms, model):
 
 
 @pytest.mark.claims("docs/no-fpu.md", "operations")
+@pytest.mark.slow
 def test_operations_are_those_of_the_table_and_none_overflows(people):
     counts = operations.count(people)
     assert counts["lifted"] > 80_000 and counts["overflows"] == counts["differences"] == 0
@@ -228,6 +229,7 @@ def costs() -> list[size.Cost]:
 
 
 @pytest.mark.claims("docs/costs.md", "costs", "size_report", "floor", "fconv_costs")
+@pytest.mark.slow
 def test_the_costs_are_those_of_the_tables(costs):
     size.check(costs)
     size.check_fconv(size.measure_fconv())
@@ -247,6 +249,7 @@ LIMITS = [  # bytes of code, instructions a lift
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("core, model, variant, code, lift", LIMITS)
 def test_a_lift_is_cheap(costs, core, model, variant, code, lift):
     title = (core, model, variant)
@@ -254,11 +257,13 @@ def test_a_lift_is_cheap(costs, core, model, variant, code, lift):
     assert cost.code <= code and cost.lift <= lift
 
 
+@pytest.mark.slow
 def test_a_lift_needs_little_memory(costs):
     assert max(cost.work for cost in costs) <= 2448
     assert max(cost.stack for cost in costs) <= 600
 
 
+@pytest.mark.slow
 def test_all_of_the_flash_is_told(tmp_path):
     """What the linker keeps is code or weights, but for main() and alignment."""
     target = TARGETS["cortex-m0plus"]
@@ -273,6 +278,7 @@ def test_all_of_the_flash_is_told(tmp_path):
 
 
 @pytest.mark.claims("docs/video.md", "video_costs")
+@pytest.mark.slow
 def test_what_a_track_costs():
     for core in video.CORES:
         need_core(TARGETS[core])

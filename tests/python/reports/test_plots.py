@@ -35,6 +35,7 @@ def report():
     return evaluate(lifter, motion), accuracy.examples(lifter, motion)
 
 
+@pytest.mark.slow
 def test_plots_are_small_and_the_same_again(tmp_path, report):
     figures, examples = report
     for folder in ("a", "b"):
