@@ -18,7 +18,7 @@ static real acute_degrees(real y, real x)
     const real least = y < x ? y : x, most = y < x ? x : y;
     const int middle = least > MUL(REAL(0.41421356237309505), most);
     const real ratio = middle ? DIV(least - most, least + most) : DIV(least, most);
-    const real square = MUL(ratio, ratio); /* <= 0.172 */
+    const real square = SQUARE(ratio); /* <= 0.172 */
     const real by_ratio = REAL(57.295774) +
                           MUL(square, -REAL(19.097946) +
                                           MUL(square, REAL(11.437364) +

@@ -12,8 +12,8 @@ static inline matrix3 rotation_onto(point z)
 {
     const real ratio = DIV(REAL(1.0), REAL(1.0) + z.z);
     const real xy = MUL(ratio, MUL(z.x, z.y));
-    const matrix3 rotation = {{REAL(1.0) - MUL(ratio, MUL(z.x, z.x)), -xy, -z.x},
-                              {-xy, REAL(1.0) - MUL(ratio, MUL(z.y, z.y)), -z.y},
+    const matrix3 rotation = {{REAL(1.0) - MUL(ratio, SQUARE(z.x)), -xy, -z.x},
+                              {-xy, REAL(1.0) - MUL(ratio, SQUARE(z.y)), -z.y},
                               z};
     return rotation;
 }
@@ -53,7 +53,7 @@ static inline matrix3 compose_rotations(const matrix3 *second, const matrix3 *fi
  * not on the stack while others divide. */
 static EDML_NOINLINE matrix3 quaternion_rotation(real w, point v)
 {
-    const real ratio = DIV(REAL(2.0), MUL(w, w) + dot(v, v));
+    const real ratio = DIV(REAL(2.0), SQUARE(w) + dot(v, v));
     const point a = times(ratio, v);
     const real xx = MUL(a.x, v.x), yy = MUL(a.y, v.y), zz = MUL(a.z, v.z);
     const real xy = MUL(a.x, v.y), xz = MUL(a.x, v.z), yz = MUL(a.y, v.z);
@@ -122,7 +122,7 @@ static int nearest_rotation(matrix3 *r, const matrix3 *m)
 {
     const real size = NORM(norm(m->x), norm(m->y), norm(m->z));
     if (!(size > EPSILON)) return 0;
-    const matrix3 unit = {over(m->x, size), over(m->y, size), over(m->z, size)};
+    const matrix3 unit = {over_length(m->x, size), over_length(m->y, size), over_length(m->z, size)};
     horn_matrix n = horn_matrix_of(&unit);
     for (int k = 0; k < SQUARINGS; k++)
         if (square_and_scale(&n) > PURE_TRACE) break;

@@ -15,8 +15,12 @@ static edml_status unit_vector(point *out, edml_point a)
     if (ABS(a.y) > largest) largest = ABS(a.y);
     if (ABS(a.z) > largest) largest = ABS(a.z);
     if (!(largest > 0)) return EDML_ERR_DEGENERATE;
-    const point p = {DIV(a.x, largest), DIV(a.y, largest), DIV(a.z, largest)};
-    *out = over(p, norm(p));
+    const real one = REAL(1.0);
+    /* no component is longer than the longest */
+    const point p = {DIV_TO(one, a.x, largest), DIV_TO(one, a.y, largest), DIV_TO(one, a.z, largest)};
+    const real length = norm(p);
+    ASSUME(length >= one); /* that of the largest */
+    *out = over_length(p, length);
     return EDML_OK;
 }
 

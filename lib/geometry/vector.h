@@ -48,12 +48,22 @@ static inline point over(point a, real divisor) /* |a| / 128 < divisor */
     return quotient;
 }
 
+/* a over its length, > 0, or over that of a vector with a among its parts.  Rounded down, a length is no less than
+ * any component. */
+static inline point over_length(point a, real length)
+{
+    const real one = REAL(1.0);
+    /* no component is longer than the vector */
+    const point unit = {DIV_TO(one, a.x, length), DIV_TO(one, a.y, length), DIV_TO(one, a.z, length)};
+    return unit;
+}
+
 /* The unit vector; zero where there is no length.  |a| < 64. */
 static inline point direction(point a)
 {
     const point zero = {0, 0, 0};
     const real length = norm(a);
-    return length > EPSILON ? over(a, length) : zero;
+    return length > EPSILON ? over_length(a, length) : zero;
 }
 
 static inline point cross(point a, point b)

@@ -37,14 +37,14 @@ static int on_a_line(const edml_image_point at[EDML_JOINTS], uint16_t seen)
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!is_seen(seen, j)) continue;
         const real du = at[j].u - u, dv = at[j].v - v;
-        uu += MUL(du, du);
+        uu += SQUARE(du);
         uv += MUL(du, dv);
-        vv += MUL(dv, dv);
+        vv += SQUARE(dv);
     }
     uu /= (real)joints;
     uv /= (real)joints;
     vv /= (real)joints;
-    return MUL(uu, vv) - MUL(uv, uv) <= MUL(MUL(THIN_SQUARED, uu + vv), uu + vv);
+    return MUL(uu, vv) - SQUARE(uv) <= MUL(MUL(THIN_SQUARED, uu + vv), uu + vv);
 }
 
 /* NaN -> -limit, which no imputation gives */
@@ -65,8 +65,8 @@ static edml_image_point body_axis(const edml_image_point at[EDML_JOINTS])
     const real u = hips.u - upper.u, v = hips.v - upper.v, length = HYPOT(u, v);
     edml_image_point axis = {0, REAL(1.0)};
     if (length > NO_AXIS) {
-        axis.u = DIV(u, length);
-        axis.v = DIV(v, length);
+        axis.u = DIV_TO(REAL(1.0), u, length); /* no component is longer than the vector */
+        axis.v = DIV_TO(REAL(1.0), v, length);
     }
     return axis;
 }
@@ -101,6 +101,7 @@ static void centre_and_scale(edml_image *image, uint16_t known)
     }
     const real middle = (top + bottom) / 2, high = (bottom - top) / 2;
     const real half = MUL(high, WIDEST) > reach ? high : DIV(reach, WIDEST);
+    ASSUME(half >= REAL(0.27)); /* two seen joints are 2 or more apart */
     const real scale = DIV(REAL(1.0), half); /* <= 3.7, and |u - mean| <= 11.2 */
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!is_seen(known, j)) continue;

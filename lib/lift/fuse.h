@@ -31,20 +31,25 @@ static EDML_NOINLINE void sum_fusion(fusion_sums *o, const point x[EDML_JOINTS],
     o->mean = mean_joint(x, image->seen);
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!is_seen(image->seen, j)) continue;
-        const real half = REAL(0.5) + MUL(nearness, x[j].z - o->mean.z) / 2; /* -0.5 to 1.5 */
+        const real away = x[j].z - o->mean.z;
+        ASSUME(WITHIN(away, REAL(6.0))); /* no two are farther apart */
+        const real half = REAL(0.5) + MUL(nearness, away) / 2; /* -0.5 to 1.5 */
         const edml_image_point at = {MUL(half, image->at[j].u), MUL(half, image->at[j].v)};
         u += MUL(weight, at.u);
         v += MUL(weight, at.v);
-        xx += MUL(weight, MUL(x[j].x, x[j].x) + MUL(x[j].y, x[j].y));
+        xx += MUL(weight, SQUARE(x[j].x) + SQUARE(x[j].y));
         xu += MUL(weight, MUL(x[j].x, at.u) + MUL(x[j].y, at.v));
-        uu += MUL(weight, MUL(at.u, at.u) + MUL(at.v, at.v));
+        uu += MUL(weight, SQUARE(at.u) + SQUARE(at.v));
         o->at[j] = at;
     }
     o->at_mean.u = u;
     o->at_mean.v = v;
-    o->xx = xx - MUL(o->mean.x, o->mean.x) - MUL(o->mean.y, o->mean.y);
-    o->xu = xu - MUL(o->mean.x, u) - MUL(o->mean.y, v);
-    o->uu = uu - MUL(u, u) - MUL(v, v);
+    o->xx = xx - SQUARE(o->mean.x) - SQUARE(o->mean.y);
+    ASSUME(o->xx >= -REAL(0.001)); /* a variance, but for rounding */
+    o->xu = xu - MUL(o->mean.x, u);
+    ASSUME(WITHIN(o->xu, REAL(71.0))); /* a covariance across and a mean product along, each within 6 x 5.9 */
+    o->xu -= MUL(o->mean.y, v);
+    o->uu = uu - SQUARE(u) - SQUARE(v);
 }
 
 /* square: of the difference, a mean over the seen joints. */
@@ -55,9 +60,11 @@ static void move_to_image(point x[EDML_JOINTS], const fusion_sums *o, uint16_t s
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!is_seen(seen, j)) continue;
         const real part = MUL(share[j], weight);
-        /* scale at: <= sqrt(14 * 72), about its mean */
-        x[j].x += MUL(part, MUL(scale, o->at[j].u - o->at_mean.u) - (x[j].x - o->mean.x));
-        x[j].y += MUL(part, MUL(scale, o->at[j].v - o->at_mean.v) - (x[j].y - o->mean.y));
+        /* The squares of scale at, about its mean, have a mean of 72 at most: each is <= sqrt(14 * 72). */
+        const real u = MUL_TO(REAL(31.75), scale, o->at[j].u - o->at_mean.u);
+        const real v = MUL_TO(REAL(31.75), scale, o->at[j].v - o->at_mean.v);
+        x[j].x += MUL(part, u - (x[j].x - o->mean.x));
+        x[j].y += MUL(part, v - (x[j].y - o->mean.y));
     }
 }
 
@@ -68,8 +75,8 @@ real edml_fuse(point x[EDML_JOINTS], const edml_image *image, const real share[E
     if ((image->seen & ALL_JOINTS) == 0) return 0;
     sum_fusion(&o, x, image, PARAM(model->fusion[FUSION_NEARNESS]));
     if (!(o.xu > 0 && o.uu > o.xu / 64)) return o.xx > 0 ? SQRT(o.xx) : 0;
-    const real scale = DIV(o.xu, o.uu);          /* < 64 */
-    const real square = o.xx - MUL(scale, o.xu); /* scale xu <= xx */
+    const real scale = DIV_TO(REAL(64.0), o.xu, o.uu);             /* as uu > xu / 64 */
+    const real square = o.xx - MUL_TO(REAL(72.0), scale, o.xu); /* scale xu <= xx */
     const real difference = square > 0 ? square : 0;
     move_to_image(x, &o, image->seen, scale, difference, share, model);
     return SQRT(difference);

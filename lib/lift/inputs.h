@@ -53,7 +53,9 @@ static const uint8_t mirror_joints[MIRROR_JOINTS] = {
 static real soften(real distance)
 {
     const real d = distance < LONGEST_2D ? distance : LONGEST_2D;
-    return d - SOFTENING + DIV16(MUL(SOFTENING, SOFTENING), d + SOFTENING);
+    const real soft = d - SOFTENING + DIV16(SQUARE(SOFTENING), d + SOFTENING);
+    ASSUME(-REAL(0.02) <= soft && soft <= REAL(7.46)); /* it rises with d: tests/proof/soften.c */
+    return soft;
 }
 
 /* Where the next inputs go. */
@@ -125,7 +127,11 @@ static EDML_NOINLINE void network_inputs(real *in, const edml_image *image, cons
 #define GATE_SOFTNESS REAL(0.125)
 
 /* The share of the image, 0 to 1, of a gate. */
-static real gate_share(real gate) { return (REAL(1.0) + DIV(gate, ABS(gate) + GATE_SOFTNESS)) / 2; }
+static real gate_share(real gate)
+{
+    const real ratio = DIV_TO(REAL(1.0), gate, ABS(gate) + GATE_SOFTNESS); /* the divisor is the larger one */
+    return (REAL(1.0) + ratio) / 2;
+}
 
 /* A number of each joint from a row each.  sign: -1 where it changes its sign in the mirror. */
 static void take_joints(real out[EDML_JOINTS], const real *row, const real *mirror_row, int sign)

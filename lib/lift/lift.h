@@ -53,6 +53,7 @@ static void turn_to_camera(point x[EDML_JOINTS], edml_image_point down)
         const point p = x[j];
         x[j].x = MUL(down.v, p.x) + MUL(down.u, p.y);
         x[j].y = MUL(down.v, p.y) + MUL(minus_u, p.x);
+        ASSUME(WITHIN(x[j].x, REAL(41.0)) && WITHIN(x[j].y, REAL(41.0))); /* 31.75 at most from a mean within 6 on each axis */
     }
     move_origin_to_mid_hip(x);
 }

@@ -26,7 +26,7 @@ static EDML_NOINLINE void reduced_gram(real gram[TRIANGLE], const real distance[
     for (int i = 0; i < LAST; i++) {
         *g++ = 0;
         for (int j = i + 1; j < EDML_JOINTS; j++, distance++) {
-            const real entry = -MUL(*distance, *distance) / 2;
+            const real entry = -SQUARE(*distance) / 2;
             row_sum[i] += entry;
             row_sum[j] += entry;
             if (j < LAST)

@@ -31,15 +31,15 @@ typedef struct {
 
 static void add_moments(moments *m, point p, edml_image_point at)
 {
-    m->xx += MUL(p.x, p.x);
+    m->xx += SQUARE(p.x);
     m->xy += MUL(p.x, p.y);
     m->xz += MUL(p.x, p.z);
-    m->yy += MUL(p.y, p.y);
+    m->yy += SQUARE(p.y);
     m->yz += MUL(p.y, p.z);
-    m->zz += MUL(p.z, p.z);
+    m->zz += SQUARE(p.z);
     add_multiple(&m->u, at.u, p);
     add_multiple(&m->v, at.v, p);
-    m->image += MUL(at.u, at.u) + MUL(at.v, at.v);
+    m->image += SQUARE(at.u) + SQUARE(at.v);
 }
 
 static EDML_NOINLINE void sum_moments(moments *m, const point x[EDML_JOINTS], const edml_image *image)
@@ -86,9 +86,9 @@ static point solve_scaled(const moments *s, real ridge, point b)
     const real xy = MUL(s->xz, s->yz) - MUL(s->xy, zz);
     const real xz = MUL(s->xy, s->yz) - MUL(s->xz, yy);
     const real yz = MUL(s->xy, s->xz) - MUL(xx, s->yz);
-    const point r = {MUL(MUL(yy, zz) - MUL(s->yz, s->yz), b.x) + MUL(xy, b.y) + MUL(xz, b.z),
-                     MUL(xy, b.x) + MUL(MUL(xx, zz) - MUL(s->xz, s->xz), b.y) + MUL(yz, b.z),
-                     MUL(xz, b.x) + MUL(yz, b.y) + MUL(MUL(xx, yy) - MUL(s->xy, s->xy), b.z)};
+    const point r = {MUL(MUL(yy, zz) - SQUARE(s->yz), b.x) + MUL(xy, b.y) + MUL(xz, b.z),
+                     MUL(xy, b.x) + MUL(MUL(xx, zz) - SQUARE(s->xz), b.y) + MUL(yz, b.z),
+                     MUL(xz, b.x) + MUL(yz, b.y) + MUL(MUL(xx, yy) - SQUARE(s->xy), b.z)};
     return r;
 }
 
@@ -107,7 +107,7 @@ static EDML_NOINLINE real orient_residual(const moments *m, point right, point d
 {
     const real across = (spread_along(m, right) + spread_along(m, down)) / 4; /* <= 1 */
     const real fit = dot(right, m->u) + dot(down, m->v);                      /* <= sqrt(across) */
-    const real square = MUL(fit, fit);
+    const real square = SQUARE(fit);
     const real left = MUL(across, across - square);
     if (fit <= 0 || left >= square) return REAL(1.0);
     return left > 0 ? DIV(left, square) : 0;
@@ -120,18 +120,18 @@ static EDML_NOINLINE int orthonormalise(point *first, point *second)
 {
     const real length = HYPOT(norm(*first), norm(*second));
     if (!(length > 0)) return 0;
-    *first = over(*first, length);
-    *second = over(*second, length);
+    *first = over_length(*first, length);
+    *second = over_length(*second, length);
     const real a = dot(*first, *first), b = dot(*first, *second), c = dot(*second, *second);
-    const real determinant = MUL(a, c) - MUL(b, b); /* <= 1/4, because a + c = 1 */
+    const real determinant = MUL(a, c) - SQUARE(b); /* <= 1/4, because a + c = 1 */
     if (!(determinant > PARALLEL_SQUARED)) return 0;
     const real root = SQRT(determinant);
     point u = times(c + root, *first), v = times(a + root, *second);
     add_multiple(&u, -b, *second);
     add_multiple(&v, -b, *first);
-    *first = over(u, norm(u));
+    *first = over_length(u, norm(u));
     add_multiple(&v, -dot(v, *first), *first); /* nothing but rounding */
-    *second = over(v, norm(v));
+    *second = over_length(v, norm(v));
     return 1;
 }
 

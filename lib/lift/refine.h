@@ -76,7 +76,7 @@ static wide total_stress(const point x[EDML_JOINTS], const real distance[EDML_PA
         for (int j = i + 1; j < EDML_JOINTS; j++, d++) {
             const real square = squared_length(minus(x[i], x[j]));
             if (!IS_NEAR(square)) return WIDE_MAX;
-            sum += stress_term(objective, square - MUL(*d, *d), square, *d);
+            sum += stress_term(objective, square - SQUARE(*d), square, *d);
         }
     }
     return sum;
@@ -129,7 +129,7 @@ static void downhill(point out[EDML_JOINTS], const point x[EDML_JOINTS], const r
         for (int j = i + 1; j < EDML_JOINTS; j++, d++) {
             const point delta = minus(x[i], x[j]);
             const real square = squared_length(delta);
-            const real excess = square - MUL(*d, *d);
+            const real excess = square - SQUARE(*d);
             const point part = times(weighted_excess(objective, unit, excess, square, *d), delta);
             out[i] = minus(out[i], part);
             out[j] = plus(out[j], part);
@@ -155,7 +155,7 @@ static quartic along(const point x[EDML_JOINTS], const point step[EDML_JOINTS],
             const point delta = minus(x[i], x[j]);
             const point move = minus(step[i], step[j]);
             const real square = squared_length(delta);
-            const real r = square - MUL(*d, *d);
+            const real r = square - SQUARE(*d);
             const real b = 2 * dot(delta, move);
             const real a = squared_length(move);
             real wb = b, wa = a;
@@ -200,7 +200,7 @@ static real slope_at(const cubic *s, real t) /* t <= 4: 5, 21 and 85 at most, fr
  * local maximum where the cubic rises above zero there, else by doubling. */
 static real bracket(const cubic *s)
 {
-    const real discriminant = MUL(s->at2, s->at2) - 3 * MUL(s->at1, s->at3);
+    const real discriminant = SQUARE(s->at2) - 3 * MUL(s->at1, s->at3);
     if (s->at2 < 0 && s->at1 > 0 && discriminant > 0) {
         const real fall = SQRT(discriminant) - s->at2; /* <= 3 */
         const real peak = s->at1 < MUL(MAX_STEP, fall) ? DIV(s->at1, fall) : MAX_STEP;

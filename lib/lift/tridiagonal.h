@@ -59,7 +59,7 @@ static EDML_NOINLINE void characteristic(minors *f, minors *slope, minors *curve
     *slope = of_order_1[1];
     *curve = of_order_1[2];
     for (int i = 1; i < n; i++) {
-        const real gap = x - band[2 * i], square = MUL(band[2 * i - 1], band[2 * i - 1]);
+        const real gap = x - band[2 * i], square = SQUARE(band[2 * i - 1]);
         next_minor(curve, gap, square, in_units(slope, curve->exponent));
         next_minor(slope, gap, square, in_units(f, slope->exponent));
         next_minor(f, gap, square, 0);
@@ -102,7 +102,7 @@ static EDML_NOINLINE int is_above_all(const real *band, int n, real x)
 {
     minors f = {{x - band[0], REAL(1.0)}, 0};
     for (int i = 1; i < n && f.at[0] > 0; i++)
-        next_minor(&f, x - band[2 * i], MUL(band[2 * i - 1], band[2 * i - 1]), 0);
+        next_minor(&f, x - band[2 * i], SQUARE(band[2 * i - 1]), 0);
     return f.at[0] > 0;
 }
 

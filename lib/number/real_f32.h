@@ -4,7 +4,7 @@
  *   real, wide    a number; one that holds sums beyond the range of a real
  *   REAL(c)       a constant, >= 0
  *   Q12(n)        the integer n counts 1 / 4096
- *   MUL DIV SQRT  of reals; DIV is the ratio of any two like numbers
+ *   MUL SQUARE DIV SQRT  of reals; DIV is the ratio of any two like numbers
  *   DIV16         a / b to 16 fraction bits, where that is enough; 0 <= a < 1/2 <= b
  *   PER_SECOND    a * 1000 / ms, for 0 < ms <= 1300; a real of +-64 at most
  *   HYPOT NORM    length of a vector of two and of three
@@ -17,6 +17,12 @@
  *   SATURATE      a sum of PRODUCTs as a real, clamped to +-64
  *   IS_NEAR       is a squared distance below 64 m^2?  Beyond that a sum is WIDE_MAX, above all sums
  *   EPSILON       what rounding may leave of a zero, absolutely; a float's rounding is relative
+ *
+ * Of ranges in fixed point, which docs/proof.md proves:
+ *   ASSERT        the condition holds, as intervals show
+ *   ASSUME        it holds for the reason beside it, as numbers are related in a way that intervals lose
+ *   MUL_TO DIV_TO SHIFT_TO   MUL, DIV, SHIFT with a result that is, for the reason beside it, within +-limit
+ *   WITHIN        is a number within +-limit?
  *
  * SPDX-License-Identifier: MIT
  */
@@ -53,6 +59,7 @@ typedef float wide;
 #define Q12(a) ((float)(a) * 0x1p-12F)
 #define EPSILON 0.0F
 #define MUL(a, b) ((a) * (b))
+#define SQUARE(a) MUL(a, a)
 #define DIV(a, b) ((a) / (b))
 #define DIV16(a, b) ((a) / (b))
 #define SQRT(a) sqrtf(a)
@@ -70,5 +77,10 @@ typedef float wide;
 #define SATURATE(sum) (sum)
 #define IS_NEAR(square) 1
 #define WIDE_MAX HUGE_VALF
+#define MUL_TO(limit, a, b) MUL(a, b)
+#define DIV_TO(limit, a, b) DIV(a, b)
+#define SHIFT_TO(limit, a, exponent) SHIFT(a, exponent)
+#define ASSERT(condition) ((void)0)
+#define ASSUME(condition) ((void)0)
 
 #endif

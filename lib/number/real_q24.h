@@ -21,6 +21,7 @@ typedef int64_t wide;
 #define Q12(a) ((real)(a) * 4096)
 #define EPSILON 8
 #define MUL(a, b) edml__multiply_q24(a, b) /* to the nearest; |a b| < 128 */
+#define SQUARE(a) MUL(a, a)
 #define DIV(a, b) edml__divide_q24(a, b)   /* error <= 1/2 unit in the last place */
 #define DIV16(a, b) divide_q16(a, b)       /* error <= 2^-17 (1 + a / b^2) */
 #define SQRT(a) sqrt_q24(a)                /* error < 1 unit, not too large */
@@ -38,6 +39,11 @@ typedef int64_t wide;
 #define SATURATE(sum) saturate_q40(sum)
 #define IS_NEAR(square) ((square) < INT32_C(64) << 24) /* m^2 */
 #define WIDE_MAX INT64_MAX
+#define MUL_TO(limit, a, b) MUL(a, b)
+#define DIV_TO(limit, a, b) DIV(a, b)
+#define SHIFT_TO(limit, a, exponent) SHIFT(a, exponent)
+#define ASSERT(condition) ((void)0)
+#define ASSUME(condition) ((void)0)
 
 /* The compiler rounds constants to Q24: everywhere alike. */
 typedef char doubles_hold_24_fraction_bits[DBL_MANT_DIG >= 53 ? 1 : -1];

@@ -112,8 +112,8 @@ static filter filter_by(edml_smoothing by, const edml_track *track, real step, r
                full = FROM_API(track->noise_full);
     made.noise = MUL(share, step);    /* < 8 */
     if (!(share < full)) return made; /* also where nothing moves */
-    const real part = DIV(share, full), square = MUL(part, part);
-    made.motion = REAL(1.0) - MUL(square, square);
+    const real part = DIV(share, full), square = SQUARE(part);
+    made.motion = REAL(1.0) - SQUARE(square);
     return made;
 }
 

@@ -19,6 +19,7 @@ typedef checked<int64_t> wide;
 #define Q12(a) (real(a) * 4096)
 #define EPSILON 8
 #define MUL(a, b) checked_mul(a, b)
+#define SQUARE(a) MUL(a, a)
 #define DIV(a, b) checked_div(a, b)
 #define DIV16(a, b) checked_div16(a, b)
 #define SQRT(a) checked_sqrt(a)
@@ -36,11 +37,24 @@ typedef checked<int64_t> wide;
 #define SATURATE(sum) checked_saturate(sum)
 #define IS_NEAR(square) ((square) < real(64 << 24))
 #define WIDE_MAX wide::from(INT64_MAX)
+#define MUL_TO(limit, a, b) checked_to(limit, MUL(a, b))
+#define DIV_TO(limit, a, b) checked_to(limit, DIV(a, b))
+#define SHIFT_TO(limit, a, exponent) checked_to(limit, SHIFT(a, exponent))
+#define ASSERT(condition) ((condition) ? (void)0 : (void)tally.overflows++)
+#define ASSUME(condition) ASSERT(condition)
+#define WITHIN(a, most) (-(most) <= (a) && (a) <= (most))
 
 static inline real checked_mul(real a, real b)
 {
     tally.products++;
     return real::from(((__int128)a.value() * b.value() + (1 << 23)) >> 24);
+}
+
+/* One unit more is rounding. */
+static inline real checked_to(real limit, real result)
+{
+    if (result.value() > limit.value() + 1 || result.value() < -limit.value() - 1) tally.overflows++;
+    return result;
 }
 
 static inline wide checked_product(real a, real b)

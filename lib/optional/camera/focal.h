@@ -96,9 +96,9 @@ edml_status edml_focal_add(edml_focal *focal, const edml_pose *pose, const edml_
 /* About exp(-x), for 0 <= x: (1 + x / 8)^-8 */
 static real likelihood(real x)
 {
-    const real root = DIV(REAL(1.0), REAL(1.0) + x / 8), square = MUL(root, root),
-               fourth = MUL(square, square);
-    return MUL(fourth, fourth);
+    const real root = DIV(REAL(1.0), REAL(1.0) + x / 8), square = SQUARE(root),
+               fourth = SQUARE(square);
+    return SQUARE(fourth);
 }
 
 /* The mean factor, each weighted by its likelihood. */

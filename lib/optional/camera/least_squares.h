@@ -56,9 +56,9 @@ static void add_product(matrix3 *sum, point a, point b)
 static void add_square(matrix3 *sum, point a)
 {
     sum->x = plus(sum->x, times(a.x, a));
-    sum->y.y += MUL(a.y, a.y);
+    sum->y.y += SQUARE(a.y);
     sum->y.z += MUL(a.y, a.z);
-    sum->z.z += MUL(a.z, a.z);
+    sum->z.z += SQUARE(a.z);
 }
 
 /* Normal equations of a translation and a rotation vector. */

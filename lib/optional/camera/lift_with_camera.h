@@ -27,7 +27,7 @@ static edml_status find_view(matrix3 *view, const edml_keypoint in[EDML_JOINTS],
         if (!line_of_sight(&ray, in[j], camera)) return EDML_ERR_CAMERA;
         add_multiple(&sum, part, ray);
     }
-    *view = rotation_onto(over(sum, norm(sum)));
+    *view = rotation_onto(over_length(sum, norm(sum)));
     return EDML_OK;
 }
 

@@ -66,9 +66,9 @@ static path_gains gains_of(real root_index, real seconds, real root_distance, in
 {
     const path_gains line = line_gains(placements);
     const real ratio = DIV(MUL(root_index, seconds), root_distance);
-    const real root = ratio < MAX_ROOT_INDEX ? ratio : MAX_ROOT_INDEX, index = MUL(root, root);
+    const real root = ratio < MAX_ROOT_INDEX ? ratio : MAX_ROOT_INDEX, index = SQUARE(root);
     const real left = (REAL(4.0) + index - MUL(root, SQRT(REAL(8.0) + index))) / 4; /* 1 to 0.1 */
-    path_gains gains = {REAL(1.0) - MUL(left, left), MUL(REAL(1.0) - left, REAL(1.0) - left)};
+    path_gains gains = {REAL(1.0) - SQUARE(left), MUL(REAL(1.0) - left, REAL(1.0) - left)};
     if (gains.place < line.place) gains.place = line.place;
     if (gains.rate < line.rate || placements == 2) gains.rate = line.rate; /* two places have one rate */
     return gains;

@@ -61,7 +61,7 @@ static edml_status set_rays(scene *v, const edml_keypoint in[EDML_JOINTS], const
     return EDML_OK;
 }
 
-static real weight_of(const scene *v, int j) { return MUL(v->ray[j].z, v->ray[j].z); }
+static real weight_of(const scene *v, int j) { return SQUARE(v->ray[j].z); }
 
 /* Centres the joints on their mean and scales them; joints that were not seen stay at 0. */
 static edml_status centre_joints(scene *v, const edml_pose *pose)
@@ -100,7 +100,7 @@ static void set_view_rotation(scene *v)
         const point ray = {v->ray[j].x, v->ray[j].y, REAL(1.0)};
         if (v->ray[j].z > 0) add_multiple(&sum, weight_of(v, j), ray);
     }
-    v->view_rotation = rotation_onto(over(sum, norm(sum))); /* z.z > 1/3: no ray is steeper than 2 */
+    v->view_rotation = rotation_onto(over_length(sum, norm(sum))); /* z.z > 1/3: no ray is steeper than 2 */
 }
 
 /* Where the rays pass depth 1 of the view, to a; and `spread`, their RMS. */
@@ -140,7 +140,7 @@ static void set_lines(scene *v)
         const real height = HYPOT(REAL(1.0), y);
         const real root_b = DIV(root, height), root_a = DIV(root_b, HYPOT(height, x));
         const point b = {0, root_b, -MUL(root_b, wide_y)};
-        const point a = {MUL(root_a, REAL(1.0) + MUL(y, y)), -MUL(root_a, MUL(x, y)), -MUL(root_a, wide_x)};
+        const point a = {MUL(root_a, REAL(1.0) + SQUARE(y)), -MUL(root_a, MUL(x, y)), -MUL(root_a, wide_x)};
         v->a[j] = a;
         v->b[j] = b;
         add_product(&v->lines, a, a);
