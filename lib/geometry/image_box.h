@@ -43,7 +43,8 @@ static edml_image_point normalise(edml_keypoint in, const image_box *box)
     edml_image_point at = {0, 0};
     const pixels half = box->half_height > box->half_width ? box->half_height : box->half_width;
     ASSUME(half >= 4096); /* 2^-12 of 256 pixels: smaller boxes are refused */
-    at.u = DIV_TO(REAL(1.0005), in.x - box->x, half); /* within the box, whose middle is up to two units off */
+    /* within the box, whose middle is up to two units off */
+    at.u = DIV_TO(REAL(1.0005), in.x - box->x, half);
     at.v = DIV_TO(REAL(1.0005), in.y - box->y, half);
     return at;
 }

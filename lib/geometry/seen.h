@@ -23,7 +23,10 @@ static inline uint16_t seen_joints(const edml_keypoint in[])
 static inline int count_seen(uint16_t seen)
 {
     int count = 0;
-    for (seen = (uint16_t)(seen & ALL_JOINTS); seen != 0; seen = (uint16_t)(seen & (seen - 1))) count++;
+    for (seen = (uint16_t)(seen & ALL_JOINTS); seen != 0; seen = (uint16_t)(seen & (seen - 1))) {
+        ASSUME(count < EDML_JOINTS); /* each turn takes a bit out */
+        count++;
+    }
     return count;
 }
 

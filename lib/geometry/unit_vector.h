@@ -15,11 +15,11 @@ static edml_status unit_vector(point *out, edml_point a)
     if (ABS(a.y) > largest) largest = ABS(a.y);
     if (ABS(a.z) > largest) largest = ABS(a.z);
     if (!(largest > 0)) return EDML_ERR_DEGENERATE;
-    const real one = REAL(1.0);
     /* no component is longer than the longest */
-    const point p = {DIV_TO(one, a.x, largest), DIV_TO(one, a.y, largest), DIV_TO(one, a.z, largest)};
+    const point p = {DIV_TO(REAL(1.0), a.x, largest), DIV_TO(REAL(1.0), a.y, largest),
+                     DIV_TO(REAL(1.0), a.z, largest)};
     const real length = norm(p);
-    ASSUME(length >= one); /* that of the largest */
+    ASSUME(length >= REAL(1.0)); /* that of the largest */
     *out = over_length(p, length);
     return EDML_OK;
 }

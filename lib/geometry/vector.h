@@ -52,9 +52,9 @@ static inline point over(point a, real divisor) /* |a| / 128 < divisor */
  * any component. */
 static inline point over_length(point a, real length)
 {
-    const real one = REAL(1.0);
     /* no component is longer than the vector */
-    const point unit = {DIV_TO(one, a.x, length), DIV_TO(one, a.y, length), DIV_TO(one, a.z, length)};
+    const point unit = {DIV_TO(REAL(1.0), a.x, length), DIV_TO(REAL(1.0), a.y, length),
+                        DIV_TO(REAL(1.0), a.z, length)};
     return unit;
 }
 

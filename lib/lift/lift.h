@@ -71,7 +71,11 @@ edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], cons
     if (status != EDML_OK) return status;
     const real misfit = edml_fuse(work->x, &work->image, work->prediction.share, model);
     turn_to_camera(work->x, work->image.down);
-    for (int j = 0; j < EDML_JOINTS; j++) pose->joint[j] = api_point(work->x[j]);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const point p = work->x[j]; /* no two are farther apart than sqrt(2 * 14 * 72) = 45 m across and along */
+        ASSUME(WITHIN(p.x, REAL(45.0)) && WITHIN(p.y, REAL(45.0)));
+        pose->joint[j] = api_point(p);
+    }
     pose->misfit = TO_API(misfit);
     pose->seen = work->image.seen;
     return EDML_OK;

@@ -22,7 +22,7 @@
  *   ASSERT        the condition holds, as intervals show
  *   ASSUME        it holds for the reason beside it, as numbers are related in a way that intervals lose
  *   MUL_TO DIV_TO SHIFT_TO   MUL, DIV, SHIFT with a result that is, for the reason beside it, within +-limit
- *   WITHIN        is a number within +-limit?
+ *   WITHIN ALL_WITHIN        is a number within +-limit, and each coordinate of a point?
  *
  * SPDX-License-Identifier: MIT
  */

@@ -40,9 +40,19 @@ typedef checked<int64_t> wide;
 #define MUL_TO(limit, a, b) checked_to(limit, MUL(a, b))
 #define DIV_TO(limit, a, b) checked_to(limit, DIV(a, b))
 #define SHIFT_TO(limit, a, exponent) checked_to(limit, SHIFT(a, exponent))
-#define ASSERT(condition) ((condition) ? (void)0 : (void)tally.overflows++)
+#define ASSERT(condition) checked_condition([&]() -> bool { return condition; })
 #define ASSUME(condition) ASSERT(condition)
 #define WITHIN(a, most) (-(most) <= (a) && (a) <= (most))
+#define ALL_WITHIN(p, most) (WITHIN((p).x, most) && WITHIN((p).y, most) && WITHIN((p).z, most))
+
+/* Its own operations do not count. */
+template <typename Condition> static inline void checked_condition(Condition holds)
+{
+    const checked_tally before = tally;
+    const bool is_true = holds();
+    tally = before;
+    if (!is_true) tally.overflows++;
+}
 
 static inline real checked_mul(real a, real b)
 {

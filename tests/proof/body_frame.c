@@ -13,9 +13,9 @@ static void with_set(uint16_t seen)
     static edml_image image;
     static real scratch[MAX_IMPUTED * MAX_IMPUTED];
     for (int j = 0; j < EDML_JOINTS; j++) {
-        in[j].x = is_seen(seen, j) ? Frama_C_interval(1 - (1 << 29), (1 << 29) - 1) : INT32_MIN;
-        in[j].y = is_seen(seen, j) ? Frama_C_interval(1 - (1 << 29), (1 << 29) - 1) : INT32_MIN;
-        in[j].c = (int16_t)(is_seen(seen, j) ? Frama_C_interval(1, INT16_MAX) : Frama_C_interval(INT16_MIN, 0));
+        in[j].x = some_pixels(is_seen(seen, j));
+        in[j].y = some_pixels(is_seen(seen, j));
+        in[j].c = some_confidence(is_seen(seen, j));
     }
     const edml_status status = to_body_frame(&image, in, FEWEST, &edml_default_imputation, scratch);
     if (status != EDML_OK) return;
@@ -26,6 +26,6 @@ static void with_set(uint16_t seen)
 
 int main(void)
 {
-    for_sizes(with_set);
+    for_sizes(with_set, FEWEST);
     return 0;
 }

@@ -34,6 +34,6 @@ static void with_set(uint16_t seen)
 
 int main(void)
 {
-    for_sizes(with_set);
+    for_sizes(with_set, FEWEST);
     return 0;
 }

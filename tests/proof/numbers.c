@@ -1,11 +1,9 @@
-/* The functions of lib/number that proof.h has bounds of: for numbers of each length, no operation overflows, and
- * normalised numbers are below 1.
+/* What proof.h says of NORMALISE, for numbers of each length: they are below 1 then.  The largest comes first.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "proof.h"
 
-#undef HYPOT
 
 static void normalised(int bits)
 {

@@ -40,6 +40,7 @@ void not_here(void);
 #undef DIV_TO
 #undef MUL_TO
 #undef SHIFT_TO
+#undef REAL
 #undef SQUARE
 #undef HYPOT
 #undef NORM
@@ -50,6 +51,8 @@ void not_here(void);
 #define MUL_TO(limit, a, b) product_to(limit, a, b)
 #define SHIFT_TO(limit, a, exponent) shift_to(limit, a, exponent)
 #define WITHIN(a, most) (-(most) <= (a) && (a) <= (most))
+#define ALL_WITHIN(p, most) (WITHIN((p).x, most) && WITHIN((p).y, most) && WITHIN((p).z, most))
+#define REAL(constant) ((real)(constant * 16777216.0 + 0.5)) /* EVA has no long double */
 #define SQUARE(a) square_q24_of(a)
 #define HYPOT(a, b) length_of(a, b, 0)
 #define NORM(a, b, c) length_of(a, b, c)

@@ -9,7 +9,7 @@
 
 #include "geometry/seen.h"
 
-enum { FEWEST = 10 };
+enum { FEWEST = 10, ROOM = (1 << 29) - 1 };
 #ifndef MOST_MISSING
 #define MOST_MISSING 4
 #endif
@@ -17,10 +17,21 @@ enum { FEWEST = 10 };
 /* A joint as a set; none: -1. */
 static inline uint16_t only(int joint) { return joint < 0 ? 0 : (uint16_t)(1U << joint); }
 
-/* One set of each size.  They stand for all where each joint is treated as the others are. */
-static inline void for_sizes(void (*of)(uint16_t seen))
+/* Keypoints: anything where they are not seen. */
+static inline int32_t some_pixels(int is_seen)
 {
-    for (int missing = 0; missing <= EDML_JOINTS - FEWEST; missing++)
+    return is_seen ? Frama_C_interval(-ROOM, ROOM) : Frama_C_interval(INT32_MIN, INT32_MAX);
+}
+
+static inline int16_t some_confidence(int is_seen)
+{
+    return (int16_t)(is_seen ? Frama_C_interval(1, INT16_MAX) : Frama_C_interval(INT16_MIN, 0));
+}
+
+/* One set of each size.  They stand for all where each joint is treated as the others are. */
+static inline void for_sizes(void (*of)(uint16_t seen), int fewest)
+{
+    for (int missing = 0; missing <= EDML_JOINTS - fewest; missing++)
         of((uint16_t)(ALL_JOINTS & ~((1U << missing) - 1)));
 }
 

@@ -42,6 +42,11 @@ class Program(NamedTuple):
 
 
 NETWORK = ("network/equivariant_w16", "network/predict_q")
+# Where what a function returns says whether it wrote.
+SPLIT = (
+    "-eva-split-return", "full", "-eva-partition-history", "2",
+    "-eva-interprocedural-history", "-eva-interprocedural-splits",
+)  # fmt: skip
 JOINTS = ("lift/imputation", "joints/joints")
 ALL: dict[str, Program] = {
     "numbers": Program(
@@ -55,6 +60,15 @@ ALL: dict[str, Program] = {
         (*NETWORK, "models/direct_w16", *JOINTS),
     ),
     "fuse": Program("points and image to a pose", ("models/direct_w16", *JOINTS)),
+    "lift_direct": Program(
+        "all of `edml_lift_q` by `edml_direct_w16`", (*NETWORK, "models/direct_w16", *JOINTS)
+    ),
+    "with_camera": Program(
+        "keypoints and upward direction to a camera that looks at the person, and a pose back",
+        JOINTS[1:],
+        SPLIT,
+    ),
+    "scene": Program("pose, keypoints and camera to the scene of a placement", JOINTS[1:], SPLIT),
 }
 WORDS = "ASSUME|MUL_TO|DIV_TO|SHIFT_TO"
 
@@ -138,14 +152,14 @@ def comment_of(line: str) -> str:
 
 
 def assumptions_of(text: str, file: str) -> list[Assumption]:
-    """Of a file.  The reason is behind the assumption, or above it and the assumptions between."""
+    """Of a file.  The reason is behind the assumption, or above it: of several they share one."""
     found = []
     reason = ""
     for line in text.splitlines():
         if is_assumption(line):
             reason = comment_of(line) or reason
             found.append(Assumption(file, re.sub(r"\s*/\*.*", "", line).strip(), reason))
-        else:
+        elif comment_of(line) or line.endswith((";", "{", "}")):
             reason = comment_of(line)
     return found
 
@@ -182,11 +196,16 @@ def sums(reached: dict[str, tuple[int, int]]) -> tuple[int, int, int]:
     return len(reached), *(sum(s[n] for s in reached.values()) for n in (0, 1))
 
 
+def escaped(text: str) -> str:
+    """In a cell."""
+    return text.replace("|", "\\|")
+
+
 def assumed_table(found: Sequence[Assumption]) -> str:
     """A row an assumption.  Disagreement where one has no reason."""
     if without := [f"{a.file}: {a.text}" for a in found if not a.reason]:
         raise Disagreement("no reason beside it: " + "; ".join(without))
-    rows = [(f"`{a.file}`", [f"`{a.text}`".replace("|", "\\|"), a.reason]) for a in found]
+    rows = [(f"`{a.file}`", [escaped(f"`{a.text}`"), escaped(a.reason)]) for a in found]
     return markdown.table("file", ["assumed", "why"], rows, left=3)
 
 

@@ -41,8 +41,10 @@ static edml_status turn_view(edml_keypoint out[EDML_JOINTS], const edml_keypoint
         if (!is_seen(seen, j) || !line_of_sight(&ray, in[j], camera)) continue;
         const point turned = rotate(view, ray);
         if (2 * turned.z < norm(ray)) return EDML_ERR_CAMERA; /* 60 degrees off: tangents to 1.8 */
-        out[j].x = MUL(VIEW_FOCAL, DIV(turned.x, turned.z));
-        out[j].y = MUL(VIEW_FOCAL, DIV(turned.y, turned.z));
+        ASSUME(turned.z >= REAL(0.49)); /* half of a norm of 1 or more */
+        /* the tangent of 60 degrees */
+        out[j].x = MUL(VIEW_FOCAL, DIV_TO(REAL(1.8), turned.x, turned.z));
+        out[j].y = MUL(VIEW_FOCAL, DIV_TO(REAL(1.8), turned.y, turned.z));
     }
     return EDML_OK;
 }

@@ -21,8 +21,9 @@ static int line_of_sight(point *ray, edml_keypoint at, const edml_camera *camera
 {
     const pixels x = at.x - camera->cx, y = at.y - camera->cy;
     if (ABS(x) / MAX_TANGENT > camera->fx || ABS(y) / MAX_TANGENT > camera->fy) return 0;
-    ray->x = DIV(x, camera->fx);
-    ray->y = DIV(y, camera->fy);
+    /* |x| <= 2 fx + 1, which is 3 fx of the least */
+    ray->x = DIV_TO(REAL(3.0), x, camera->fx);
+    ray->y = DIV_TO(REAL(3.0), y, camera->fy);
     ray->z = REAL(1.0);
     return 1;
 }

@@ -44,7 +44,7 @@ static edml_status set_weights(scene *v, const edml_keypoint in[EDML_JOINTS])
     if (!IS_FINITE(total)) return EDML_ERR_NOT_FINITE;
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (is_seen(seen, j) && in[j].c <= total / NEGLIGIBLE_PART) seen = (uint16_t)(seen & ~(1U << j));
-        v->ray[j].z = is_seen(seen, j) ? SQRT(DIV(in[j].c, total)) : 0;
+        v->ray[j].z = is_seen(seen, j) ? SQRT(DIV_TO(REAL(1.0), in[j].c, total)) : 0; /* one of its parts */
     }
     return count_seen(seen) < MIN_JOINTS ? EDML_ERR_TOO_FEW_JOINTS : EDML_OK;
 }
@@ -63,6 +63,15 @@ static edml_status set_rays(scene *v, const edml_keypoint in[EDML_JOINTS], const
 
 static real weight_of(const scene *v, int j) { return SQUARE(v->ray[j].z); }
 
+/* A joint in units of the size: its square, times its weight of over 1 / 1024, is no more than that of the size. */
+static point joint_over(point p, real size)
+{
+    /* root of 1024, and rounding */
+    const point q = {DIV_TO(REAL(33.0), p.x, size), DIV_TO(REAL(33.0), p.y, size),
+                     DIV_TO(REAL(33.0), p.z, size)};
+    return q;
+}
+
 /* Centres the joints on their mean and scales them; joints that were not seen stay at 0. */
 static edml_status centre_joints(scene *v, const edml_pose *pose)
 {
@@ -73,20 +82,25 @@ static edml_status centre_joints(scene *v, const edml_pose *pose)
         add_multiple(&sum, weight_of(v, j), pose_joint(pose, j));
         total += weight_of(v, j);
     }
+    ASSUME(REAL(0.98) <= total && total <= REAL(1.01)); /* but for rounding, and for what is negligible */
     v->mean = over(sum, total);
+    ASSUME(ALL_WITHIN(v->mean, POSE_REACH)); /* as the joints are */
     real squares = 0;
     for (int j = 0; j < EDML_JOINTS; j++) {
         const point p = minus(pose_joint(pose, j), v->mean);
         const point weighted = times(v->ray[j].z, p); /* squares add up to 48 m^2 at most */
+        ASSUME(ALL_WITHIN(weighted, REAL(4.01))); /* the square is w (1 - w) of 8^2 at most */
         v->joint[j] = v->ray[j].z > 0 ? p : zero;
         squares += dot(weighted, weighted);
+        ASSUME(0 <= squares && squares <= REAL(48.5)); /* as those of 4 m along three axes */
     }
     v->size = SQRT(squares);
     if (v->size < MIN_SIZE) return EDML_ERR_DEGENERATE;
     v->scatter = zero_matrix;
     for (int j = 0; j < EDML_JOINTS; j++) {
-        v->joint[j] = over(v->joint[j], v->size);
+        v->joint[j] = joint_over(v->joint[j], v->size);
         const point p = times(v->ray[j].z, v->joint[j]);
+        ASSUME(ALL_WITHIN(p, REAL(1.01))); /* their squares add up to 1 */
         add_product(&v->scatter, p, p);
     }
     return EDML_OK;
@@ -100,6 +114,7 @@ static void set_view_rotation(scene *v)
         const point ray = {v->ray[j].x, v->ray[j].y, REAL(1.0)};
         if (v->ray[j].z > 0) add_multiple(&sum, weight_of(v, j), ray);
     }
+    ASSUME(sum.z >= REAL(0.98)); /* the weights add up to 1 */
     v->view_rotation = rotation_onto(over_length(sum, norm(sum))); /* z.z > 1/3: no ray is steeper than 2 */
 }
 
@@ -113,10 +128,13 @@ static edml_status measure_spread(scene *v)
         if (!(v->ray[j].z > 0)) continue;
         const point seen = rotate(&v->view_rotation, ray);
         if (2 * seen.z < norm(ray)) return EDML_ERR_CAMERA; /* 60 degrees off: tangents to 1.8 */
+        ASSUME(seen.z >= REAL(0.49)); /* half of a norm of 1 or more */
         v->a[j].x = DIV(seen.x, seen.z);
         v->a[j].y = DIV(seen.y, seen.z);
+        ASSUME(WITHIN(v->a[j].x, REAL(1.8)) && WITHIN(v->a[j].y, REAL(1.8))); /* the tangent of 60 degrees */
         const point weighted = times(v->ray[j].z, v->a[j]);
         squares += dot(weighted, weighted);
+        ASSUME(0 <= squares && squares <= REAL(3.2)); /* a mean of squares up to that of 1.8 */
     }
     v->spread = SQRT(squares);
     return v->spread < MIN_SPREAD ? EDML_ERR_DEGENERATE : EDML_OK;
@@ -132,15 +150,20 @@ static void set_lines(scene *v)
     v->lines = zero_matrix;
     for (int j = 0; j < EDML_JOINTS; j++) {
         const real x = v->a[j].x, y = v->a[j].y, root = v->ray[j].z;
-        const real wide_x = DIV(x, v->spread), wide_y = DIV(y, v->spread); /* weighted, <= 1 */
+        /* as joints in units of their size: weighted, their squares add up to 1 */
+        const real wide_x = DIV_TO(REAL(33.0), x, v->spread), wide_y = DIV_TO(REAL(33.0), y, v->spread);
         const point weighted = times(root, v->joint[j]);
-        add_multiple(&v->across, MUL(root, wide_x), weighted);
-        add_multiple(&v->down, MUL(root, wide_y), weighted);
+        ASSUME(ALL_WITHIN(weighted, REAL(1.01))); /* the same */
+        add_multiple(&v->across, MUL_TO(REAL(1.01), root, wide_x), weighted);
+        add_multiple(&v->down, MUL_TO(REAL(1.01), root, wide_y), weighted);
 
         const real height = HYPOT(REAL(1.0), y);
         const real root_b = DIV(root, height), root_a = DIV(root_b, HYPOT(height, x));
-        const point b = {0, root_b, -MUL(root_b, wide_y)};
-        const point a = {MUL(root_a, REAL(1.0) + SQUARE(y)), -MUL(root_a, MUL(x, y)), -MUL(root_a, wide_x)};
+        /* root_b and root_a are below root */
+        const point b = {0, root_b, -MUL_TO(REAL(1.01), root_b, wide_y)};
+        const point a = {MUL(root_a, REAL(1.0) + SQUARE(y)), -MUL(root_a, MUL(x, y)),
+                         -MUL_TO(REAL(1.01), root_a, wide_x)};
+        ASSUME(ALL_WITHIN(a, REAL(1.01))); /* but for z, a part of a unit vector */
         v->a[j] = a;
         v->b[j] = b;
         add_product(&v->lines, a, a);
