@@ -8,6 +8,8 @@
 
 #include "../geometry/vector.h"
 
+#define LONGEST_REFLECTOR REAL(1.415) /* root of 2, and rounding */
+
 enum { ORDER = EDML_JOINTS - 1, TRIANGLE = ORDER * (ORDER + 1) / 2 };
 
 /* Makes x [m] the vector w of the reflection that turns x onto its first axis, and returns what x is there;
@@ -17,13 +19,19 @@ static EDML_NOINLINE real reflect_onto_first(real *x, int m)
     const int bits = NORMALISE(x, m);
     wide square = 0;
     for (int i = 0; i < m; i++) square += EXACT(x[i], x[i]);
+    ASSUME(square >= 0); /* a sum of squares */
     const real norm = ROOT_OF_EXACT(square); /* in fixed point 1/2 to sqrt(12) */
     if (!(norm > 0)) return 0;
     const int negative = x[0] < 0;
     x[0] += negative ? -norm : norm;
-    const real scale = DIV(REAL(1.0), SQRT(MUL(norm, ABS(x[0])))); /* x'x = 2 norm |x[0]| */
-    for (int i = 0; i < m; i++) x[i] = MUL(scale, x[i]);
-    return SHIFT(negative ? norm : -norm, -bits);
+    const real half = MUL(norm, ABS(x[0])); /* of x'x */
+    ASSUME(half >= REAL(0.24)); /* |x[0]| >= norm >= 1/2 */
+    const real scale = DIV(REAL(1.0), SQRT(half));
+    for (int i = 0; i < m; i++) {
+        x[i] = MUL(scale, x[i]);
+        ASSUME(WITHIN(x[i], LONGEST_REFLECTOR)); /* w'w = 2 */
+    }
+    return SHIFT_TO(REAL(62.0), negative ? norm : -norm, -bits); /* no row is longer than the matrix */
 }
 
 /* product = A w, [m]; a: upper triangle of A, row by row.  Sums are within sqrt(2) times the norm of A. */
@@ -39,6 +47,7 @@ static EDML_NOINLINE void multiply(real *product, const real *a, const real *w, 
             of_row += EXACT(entry, w[j]);
             sum[j] += EXACT(entry, wi);
         }
+        ASSUME(WITHIN(of_row, EXACT(REAL(45.3), REAL(1.0)))); /* |A w| <= sqrt(2) 32 */
         product[i] = FROM_EXACT(of_row);
     }
 }
@@ -49,7 +58,12 @@ static EDML_NOINLINE void subtract_outer(real *a, const real *w, const real *q, 
     real *entry = a;
     for (int i = 0; i < m; i++) {
         const real wi = w[i], qi = q[i];
-        for (int j = i; j < m; j++) *entry++ -= FROM_EXACT(EXACT(wi, q[j]) + EXACT(qi, w[j]));
+        for (int j = i; j < m; j++, entry++) {
+            const wide both = EXACT(wi, q[j]) + EXACT(qi, w[j]);
+            ASSUME(WITHIN(both, EXACT(REAL(64.0), REAL(1.0)))); /* two entries, each within 32 */
+            *entry -= FROM_EXACT(both);
+            ASSUME(WITHIN(*entry, REAL(32.0))); /* no eigenvalue is beyond it */
+        }
     }
 }
 
@@ -67,6 +81,7 @@ static EDML_NOINLINE void tridiagonalise(real *a, real *band)
         multiply(q, rest, w, m);
         wide along = 0;
         for (int i = 0; i < m; i++) along += EXACT(w[i], q[i]);
+        ASSUME(WITHIN(along, EXACT(REAL(64.1), REAL(1.0)))); /* w'A w, w'w = 2 */
         const real half = FROM_EXACT(along) / 2;
         for (int i = 0; i < m; i++) q[i] -= MUL(half, w[i]);
         subtract_outer(rest, w, q, m);
@@ -86,8 +101,14 @@ static EDML_NOINLINE void reflect_points(point *y, const real *w, int m)
         y_along += EXACT(w[i], y[i].y);
         z_along += EXACT(w[i], y[i].z);
     }
+    /* 1.415 * 5.7: rows of coordinates are no longer than the root of an eigenvalue */
+    ASSUME(WITHIN(x_along, EXACT(REAL(8.1), REAL(1.0))) && WITHIN(y_along, EXACT(REAL(8.1), REAL(1.0))) &&
+           WITHIN(z_along, EXACT(REAL(8.1), REAL(1.0))));
     const point along = {FROM_EXACT(x_along), FROM_EXACT(y_along), FROM_EXACT(z_along)};
-    for (int i = 0; i < m; i++) y[i] = minus(y[i], times(w[i], along));
+    for (int i = 0; i < m; i++) {
+        y[i] = minus(y[i], times(w[i], along));
+        ASSUME(ALL_WITHIN(y[i], REAL(5.71))); /* a reflection changes no length */
+    }
 }
 
 /* From the basis of the tridiagonal matrix to that of the matrix before, each coordinate of y [ORDER]. */

@@ -16,6 +16,10 @@
 #define ALPHA REAL(0.26726124191242438)       /* 1/sqrt(14) */
 #define HOUSEHOLDER REAL(0.21089672205953698) /* ALPHA / (1 + ALPHA) */
 
+/* m^2: no eigenvalue of the Gram matrix is beyond it, as lift/refine.h shows of the positive ones, and so no entry
+ * is, however the matrix is turned.  Of the negative ones: u'(D^2)u <= 9 * 2 s^2, s as there. */
+#define MOST_SPREAD REAL(32.0)
+
 /* gram: upper triangle of order 13, row by row.  D <= 3 m: entries before centring <= 4.5 m^2, row sums
  * <= 58.5, Frobenius norm <= 4.5 sqrt(182) = 60.7, which no projection or rotation makes larger. */
 static EDML_NOINLINE void reduced_gram(real gram[TRIANGLE], const real distance[EDML_PAIRS])
@@ -45,7 +49,10 @@ static EDML_NOINLINE void reduced_gram(real gram[TRIANGLE], const real distance[
     for (int i = 0; i < LAST; i++) p[i] = MUL(ALPHA, p[i] - MUL(ALPHA, along) / 2); /* q */
     g = gram;
     for (int i = 0; i < LAST; i++)
-        for (int j = i; j < LAST; j++) *g++ -= p[i] + p[j];
+        for (int j = i; j < LAST; j++, g++) {
+            *g -= p[i] + p[j];
+            ASSUME(WITHIN(*g, MOST_SPREAD)); /* an entry of the matrix, turned */
+        }
 }
 
 /* Undoes the reflection: 13 points in the reduced basis become 14, of the joints. */
@@ -111,10 +118,10 @@ static int three_largest(point y[ORDER], real *gram, edml_work *work)
     for (int k = 0; k < 3; k++) {
         real norm;
         if (!split_largest(&norm, done, &sweeps[k], most_sweeps[k], band + 2 * k, ORDER - k)) return 0;
-        scale = MUL(scale, norm);
+        scale = MUL_TO(REAL(62.0), scale, norm); /* of the first band; the rest of a band of norm 1 has less */
         done += sweeps[k] * (ORDER - 1 - k);
-        value[k] = MUL(scale, band[2 * k]);
-        beside[k] = MUL(scale, band[2 * k + 1]);
+        value[k] = MUL_TO(MOST_SPREAD, scale, band[2 * k]); /* entries of the matrix, turned */
+        beside[k] = MUL_TO(MOST_SPREAD, scale, band[2 * k + 1]);
     }
     for (int k = 0; k < 3; k++)
         for (int j = k; j < 3; j++) rows[FREE + k][j] = j == k ? value[k] : j == k + 1 ? beside[k] : 0;

@@ -20,11 +20,16 @@ static EDML_NOINLINE real divide_by_norm(real *band, int n)
     wide square = 0;
     for (int i = 0; i < 2 * n; i += 2)
         square += EXACT(band[i], band[i]) + 2 * EXACT(band[i + 1], band[i + 1]);
+    ASSUME(square >= 0); /* a sum of squares */
     const real norm = ROOT_OF_EXACT(square);
     if (!(norm > 0)) return 0;
+    ASSUME(norm >= REAL(0.49)); /* its largest entry is 1/2 or more */
     const real scale = DIV(REAL(1.0), norm);
-    for (int i = 0; i < 2 * n; i++) band[i] = MUL(scale, band[i]);
-    return SHIFT(norm, -bits);
+    for (int i = 0; i < 2 * n; i++) {
+        band[i] = MUL(scale, band[i]);
+        ASSUME(WITHIN(band[i], REAL(1.001))); /* as the norm is 1 */
+    }
+    return SHIFT_TO(REAL(62.0), norm, -bits); /* of the whole matrix at most */
 }
 
 /* A leading minor and the one before, or a derivative of both, times 2^exponent.  In fixed point the larger
@@ -75,6 +80,7 @@ static real laguerre_step(const minors *f, const minors *slope, const minors *cu
 {
     const int exponent = slope->exponent - f->exponent, bent = exponent + slope->exponent - curve->exponent;
     if (!(f->at[0] > 0 && slope->at[0] > 0) || exponent > 2) return 0; /* Newton's step is within 2 */
+    ASSUME(slope->at[0] >= REAL(0.5)); /* normalised */
     const real newton = DIV(f->at[0], slope->at[0]), bend = DIV(curve->at[0], slope->at[0]); /* within 2 */
     const real part = bent > 1 ? REAL(1.0)
                                : MUL(share, SHIFT(MUL(newton, bend), bent)); /* to 1, or rounding */
@@ -92,6 +98,7 @@ static real largest_eigenvalue(const real *band, int n)
         characteristic(&f, &slope, &curve, band, n, x);
         const real length = laguerre_step(&f, &slope, &curve, n, share);
         x -= length;
+        ASSUME(WITHIN(x, REAL(2.0))); /* near the largest eigenvalue, or where rounding took it */
         if (length <= LAST_STEP) break;
     }
     return x;
@@ -112,7 +119,7 @@ static edml_plane_rotation onto_first(real x, real z)
     edml_plane_rotation rotation = {REAL(1.0), 0};
     if (z == 0) return rotation;
     const int steep = ABS(z) > ABS(x);
-    const real tangent = steep ? DIV(x, z) : DIV(z, x); /* within 1 */
+    const real tangent = steep ? DIV_TO(REAL(1.0), x, z) : DIV_TO(REAL(1.0), z, x); /* the larger one divides */
     const real one = DIV(REAL(1.0), HYPOT(REAL(1.0), tangent)), other = MUL(tangent, one);
     rotation.cosine = steep ? other : one;
     rotation.sine = steep ? one : other;
@@ -129,6 +136,7 @@ static EDML_NOINLINE void sweep(edml_plane_rotation *done, real *band, int n, re
     for (int i = n - 2; i >= 0; i--) {
         const real d = band[2 * i], e = band[2 * i + 1];
         const edml_plane_rotation turn = onto_first(x, e);
+        ASSUME(WITHIN(d, REAL(2.0)) && WITHIN(e, REAL(2.0)) && WITHIN(x, REAL(4.0))); /* all are within 2 norms */
         if (i + 2 < n) band[2 * i + 3] = MUL(before.sine, MUL(turn.cosine, x) + MUL(turn.sine, e));
         x = MUL(turn.cosine, d - eigenvalue) - MUL(turn.sine, MUL(before.cosine, e));
         band[2 * i + 2] = d + on_diagonal;
@@ -143,8 +151,10 @@ static EDML_NOINLINE void sweep(edml_plane_rotation *done, real *band, int n, re
 static void rotate_points(point *p, point *q, edml_plane_rotation by)
 {
     const point was = *p;
+    ASSUME(WITHIN(by.cosine, REAL(1.001)) && WITHIN(by.sine, REAL(1.001))); /* the record of sweep() */
     *p = minus(times(by.cosine, was), times(by.sine, *q));
     *q = plus(times(by.sine, was), times(by.cosine, *q));
+    ASSUME(ALL_WITHIN(*p, REAL(5.71)) && ALL_WITHIN(*q, REAL(5.71))); /* a rotation, of coordinates within 5.7 */
 }
 
 #endif

@@ -10,7 +10,7 @@ static void with_set(uint16_t seen)
 {
     static edml_image_point at[EDML_JOINTS];
     static real scratch[MAX_IMPUTED * MAX_IMPUTED];
-    const real box = REAL(1.0005) + 1, most = REAL(11.0);
+    const real box = REAL(1.0005) + 1, most = REAL(32.0);
     for (int j = 0; j < EDML_JOINTS; j++) {
         at[j].u = is_seen(seen, j) ? Frama_C_interval(-box, box) : 0;
         at[j].v = is_seen(seen, j) ? Frama_C_interval(-box, box) : 0;

@@ -3,7 +3,7 @@
  *
  *   ASSERT   is proved: EVA complains unless it sees that the condition is true
  *   ASSUME   is believed: a comment beside it says why it is true, and tests/overflow watches it
- *   DIV_TO, MUL_TO, SHIFT_TO   the same of a result, which is within the limit
+ *   DIV_TO, MUL_TO, SHIFT_TO   the same of a result, which is within the limit; so the divisor is not 0
  *
  * Products and sums are those of the library.  Quotients and roots are bounds of what lib/number/fixed.c returns,
  * because intervals say nothing of its digits; tests/unit/test_fixed.c compares them with the exact ones.
@@ -96,7 +96,9 @@ static real within(real limit, int64_t result)
 
 static real quotient_to(real limit, real a, real b)
 {
-    return within(limit, (int64_t)a * 16777216 / b);
+    ASSUME(b != 0);
+    const int64_t up = b > 0 ? (int64_t)a * 16777216 / b : 0, down = b < 0 ? (int64_t)a * 16777216 / b : 0;
+    return within(limit, up + down);
 }
 
 static real product_to(real limit, real a, real b)

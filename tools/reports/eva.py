@@ -60,9 +60,7 @@ ALL: dict[str, Program] = {
         (*NETWORK, "models/direct_w16", *JOINTS),
     ),
     "fuse": Program("points and image to a pose", ("models/direct_w16", *JOINTS)),
-    "lift_direct": Program(
-        "all of `edml_lift_q` by `edml_direct_w16`", (*NETWORK, "models/direct_w16", *JOINTS)
-    ),
+    "mds": Program("distances to points, but for Jacobi's rotations", JOINTS[1:]),
     "with_camera": Program(
         "keypoints and upward direction to a camera that looks at the person, and a pose back",
         JOINTS[1:],

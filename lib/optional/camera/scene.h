@@ -153,7 +153,7 @@ static void set_lines(scene *v)
         /* as joints in units of their size: weighted, their squares add up to 1 */
         const real wide_x = DIV_TO(REAL(33.0), x, v->spread), wide_y = DIV_TO(REAL(33.0), y, v->spread);
         const point weighted = times(root, v->joint[j]);
-        ASSUME(ALL_WITHIN(weighted, REAL(1.01))); /* the same */
+        ASSUME(ALL_WITHIN(weighted, REAL(1.01))); /* as are these */
         add_multiple(&v->across, MUL_TO(REAL(1.01), root, wide_x), weighted);
         add_multiple(&v->down, MUL_TO(REAL(1.01), root, wide_y), weighted);
 
