@@ -48,8 +48,8 @@ static inline point over(point a, real divisor) /* |a| / 128 < divisor */
     return quotient;
 }
 
-/* a over its length, > 0, or over that of a vector with a among its parts.  Rounded down, a length is no less than
- * any component. */
+/* a over its length, > 0, or over that of a vector with a among its parts.  Rounded down, a length is no less
+ * than any component. */
 static inline point over_length(point a, real length)
 {
     /* no component is longer than the vector */

@@ -47,7 +47,8 @@ static EDML_NOINLINE void sum_fusion(fusion_sums *o, const point x[EDML_JOINTS],
     o->xx = xx - SQUARE(o->mean.x) - SQUARE(o->mean.y);
     ASSUME(o->xx >= -REAL(0.001)); /* a variance, but for rounding */
     o->xu = xu - MUL(o->mean.x, u);
-    ASSUME(WITHIN(o->xu, REAL(71.0))); /* a covariance across and a mean product along, each within 6 x 5.9 */
+    /* a covariance across and a mean product along, each within 6 x 5.9 */
+    ASSUME(WITHIN(o->xu, REAL(71.0)));
     o->xu -= MUL(o->mean.y, v);
     o->uu = uu - SQUARE(u) - SQUARE(v);
 }

@@ -129,7 +129,8 @@ static EDML_NOINLINE void network_inputs(real *in, const edml_image *image, cons
 /* The share of the image, 0 to 1, of a gate. */
 static real gate_share(real gate)
 {
-    const real ratio = DIV_TO(REAL(1.0), gate, ABS(gate) + GATE_SOFTNESS); /* the divisor is the larger one */
+    /* the divisor is the larger one */
+    const real ratio = DIV_TO(REAL(1.0), gate, ABS(gate) + GATE_SOFTNESS);
     return (REAL(1.0) + ratio) / 2;
 }
 

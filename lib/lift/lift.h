@@ -53,7 +53,8 @@ static void turn_to_camera(point x[EDML_JOINTS], edml_image_point down)
         const point p = x[j];
         x[j].x = MUL(down.v, p.x) + MUL(down.u, p.y);
         x[j].y = MUL(down.v, p.y) + MUL(minus_u, p.x);
-        ASSUME(WITHIN(x[j].x, REAL(41.0)) && WITHIN(x[j].y, REAL(41.0))); /* 31.75 at most from a mean within 6 on each axis */
+        /* 31.75 at most from a mean within 6 on each axis */
+        ASSUME(WITHIN(x[j].x, REAL(41.0)) && WITHIN(x[j].y, REAL(41.0)));
     }
     move_origin_to_mid_hip(x);
 }
@@ -72,7 +73,8 @@ edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], cons
     const real misfit = edml_fuse(work->x, &work->image, work->prediction.share, model);
     turn_to_camera(work->x, work->image.down);
     for (int j = 0; j < EDML_JOINTS; j++) {
-        const point p = work->x[j]; /* no two are farther apart than sqrt(2 * 14 * 72) = 45 m across and along */
+        const point p = work->x[j];
+        /* no two are farther apart than sqrt(2 * 14 * 72) = 45 m across and along */
         ASSUME(WITHIN(p.x, REAL(45.0)) && WITHIN(p.y, REAL(45.0)));
         pose->joint[j] = api_point(p);
     }

@@ -16,8 +16,8 @@
 #define ALPHA REAL(0.26726124191242438)       /* 1/sqrt(14) */
 #define HOUSEHOLDER REAL(0.21089672205953698) /* ALPHA / (1 + ALPHA) */
 
-/* m^2: no eigenvalue of the Gram matrix is beyond it, as lift/refine.h shows of the positive ones, and so no entry
- * is, however the matrix is turned.  Of the negative ones: u'(D^2)u <= 9 * 2 s^2, s as there. */
+/* m^2: no eigenvalue of the Gram matrix is beyond it, as lift/refine.h shows of the positive ones, and so no
+ * entry is, however the matrix is turned.  Of the negative ones: u'(D^2)u <= 9 * 2 s^2, s as there. */
 #define MOST_SPREAD REAL(32.0)
 
 /* gram: upper triangle of order 13, row by row.  D <= 3 m: entries before centring <= 4.5 m^2, row sums
@@ -118,7 +118,8 @@ static int three_largest(point y[ORDER], real *gram, edml_work *work)
     for (int k = 0; k < 3; k++) {
         real norm;
         if (!split_largest(&norm, done, &sweeps[k], most_sweeps[k], band + 2 * k, ORDER - k)) return 0;
-        scale = MUL_TO(REAL(62.0), scale, norm); /* of the first band; the rest of a band of norm 1 has less */
+        /* of the first band; the rest of a band of norm 1 has less */
+        scale = MUL_TO(REAL(62.0), scale, norm);
         done += sweeps[k] * (ORDER - 1 - k);
         value[k] = MUL_TO(MOST_SPREAD, scale, band[2 * k]); /* entries of the matrix, turned */
         beside[k] = MUL_TO(MOST_SPREAD, scale, band[2 * k + 1]);

@@ -119,7 +119,8 @@ static edml_plane_rotation onto_first(real x, real z)
     edml_plane_rotation rotation = {REAL(1.0), 0};
     if (z == 0) return rotation;
     const int steep = ABS(z) > ABS(x);
-    const real tangent = steep ? DIV_TO(REAL(1.0), x, z) : DIV_TO(REAL(1.0), z, x); /* the larger one divides */
+    /* the larger one divides */
+    const real tangent = steep ? DIV_TO(REAL(1.0), x, z) : DIV_TO(REAL(1.0), z, x);
     const real one = DIV(REAL(1.0), HYPOT(REAL(1.0), tangent)), other = MUL(tangent, one);
     rotation.cosine = steep ? other : one;
     rotation.sine = steep ? one : other;
@@ -136,7 +137,8 @@ static EDML_NOINLINE void sweep(edml_plane_rotation *done, real *band, int n, re
     for (int i = n - 2; i >= 0; i--) {
         const real d = band[2 * i], e = band[2 * i + 1];
         const edml_plane_rotation turn = onto_first(x, e);
-        ASSUME(WITHIN(d, REAL(2.0)) && WITHIN(e, REAL(2.0)) && WITHIN(x, REAL(4.0))); /* all are within 2 norms */
+        /* all are within 2 norms */
+        ASSUME(WITHIN(d, REAL(2.0)) && WITHIN(e, REAL(2.0)) && WITHIN(x, REAL(4.0)));
         if (i + 2 < n) band[2 * i + 3] = MUL(before.sine, MUL(turn.cosine, x) + MUL(turn.sine, e));
         x = MUL(turn.cosine, d - eigenvalue) - MUL(turn.sine, MUL(before.cosine, e));
         band[2 * i + 2] = d + on_diagonal;
@@ -154,7 +156,8 @@ static void rotate_points(point *p, point *q, edml_plane_rotation by)
     ASSUME(WITHIN(by.cosine, REAL(1.001)) && WITHIN(by.sine, REAL(1.001))); /* the record of sweep() */
     *p = minus(times(by.cosine, was), times(by.sine, *q));
     *q = plus(times(by.sine, was), times(by.cosine, *q));
-    ASSUME(ALL_WITHIN(*p, REAL(5.71)) && ALL_WITHIN(*q, REAL(5.71))); /* a rotation, of coordinates within 5.7 */
+    /* a rotation, of coordinates within 5.7 */
+    ASSUME(ALL_WITHIN(*p, REAL(5.71)) && ALL_WITHIN(*q, REAL(5.71)));
 }
 
 #endif

@@ -63,7 +63,7 @@ static edml_status set_rays(scene *v, const edml_keypoint in[EDML_JOINTS], const
 
 static real weight_of(const scene *v, int j) { return SQUARE(v->ray[j].z); }
 
-/* A joint in units of the size: its square, times its weight of over 1 / 1024, is no more than that of the size. */
+/* A joint in units of the size: its square, times its weight of over 1 / 1024, is at most that of the size. */
 static point joint_over(point p, real size)
 {
     /* root of 1024, and rounding */
@@ -131,7 +131,8 @@ static edml_status measure_spread(scene *v)
         ASSUME(seen.z >= REAL(0.49)); /* half of a norm of 1 or more */
         v->a[j].x = DIV(seen.x, seen.z);
         v->a[j].y = DIV(seen.y, seen.z);
-        ASSUME(WITHIN(v->a[j].x, REAL(1.8)) && WITHIN(v->a[j].y, REAL(1.8))); /* the tangent of 60 degrees */
+        /* the tangent of 60 degrees */
+        ASSUME(WITHIN(v->a[j].x, REAL(1.8)) && WITHIN(v->a[j].y, REAL(1.8)));
         const point weighted = times(v->ray[j].z, v->a[j]);
         squares += dot(weighted, weighted);
         ASSUME(0 <= squares && squares <= REAL(3.2)); /* a mean of squares up to that of 1.8 */
