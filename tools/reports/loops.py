@@ -32,9 +32,12 @@ LIMITS = {
     "image_box.h: while (j < EDML_JOINTS - 1 && !is_seen(seen, j)) j++;": JOINTS - 1,
     "image_box.h: for (j++; j < EDML_JOINTS; j++) {": JOINTS - 1,
     "seen.h: for (seen = (uint16_t)(seen & ALL_JOINTS); seen != 0;": JOINTS,  # a bit a turn
-    # "too large by two at most", "too small by five", "off by a few": tests/unit/test_fixed.c
+    # Knuth's algorithm D: too large by two at most.
     "fixed.c: while (rest < taken) {": 2,
+    # digit >= n / divisor - 2^16 / divisor - 2 n / 2^31, the reciprocal being too small by two at
+    # most, which is so of all 2^15 divisors; n < (divisor + 1) 2^16.
     "fixed.c: for (n -= digit * divisor; n >= divisor; n -= divisor) digit++;": 5,
+    # Counted over all n: the root is too small by five at most, and never too large.
     "fixed.c: for (; left < 0; root--)": 5,
     "fixed.c: for (; left > (int32_t)(2 * root); root++)": 5,
     "fixed.c: for (int step = 16; step > 0; step /= 2) {": 5,

@@ -128,6 +128,7 @@ class Flow:
         self.cost: Row = {}
         self.equal: list[tuple[Row, float]] = []
         self.most: list[tuple[Row, float]] = []
+        self.limits: list[tuple[Function, Loop, int]] = []  # how often a loop goes back at most
         self.turns: dict[str, Row] = {}  # of the loops of a name: their edges back
         self.copied: Row = {}  # bytes, by what calls memcpy() and memset()
         for function in self.functions.values():
@@ -204,6 +205,7 @@ class Flow:
             if None not in limits:
                 turns = max(limits) - ends_at_its_end(function, loop, names)
                 self.most.append((add(back, entries, -float(turns)), 0.0))
+                self.limits.append((function, loop, turns))
         self.add_nested(function, known)
 
     def add_nested(self, function: Function, known: list[KnownLoop]) -> None:

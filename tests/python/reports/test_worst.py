@@ -1,7 +1,9 @@
 """The bound on a lift's instructions: how flow and loops are read, and the table on the page."""
 
+import itertools
 import re
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,7 +12,7 @@ from support import ROOT
 
 from reports import loops, markdown, size, worst
 from reports.flow import Program
-from reports.targets import INCLUDES, TARGETS, ToolError, run
+from reports.targets import INCLUDES, TARGETS, ToolError, build, compile_library, emulate, run
 
 CORE = TARGETS["cortex-m4f"]
 ROWS = worst.read_table(markdown.read(size.COSTS, "worst"))
@@ -145,6 +147,42 @@ def test_the_sizes_of_a_network():
     assert 8 * model.reads == 88 * 56 + 2 * 88 * 176 + 32 * 176
 
 
+def addresses(log: Path, offset: int) -> list[int]:
+    """Of the instructions that QEMU ran, where the program lies so much further up."""
+    found = re.findall(r"^Trace \d+: \w+ \[\w+/(\w+)/", log.read_text("utf-8"), re.M)
+    return [int(address, 16) + offset for address in found]
+
+
+@pytest.mark.slow
+def test_no_loop_that_was_seen_goes_on_more_often_than_is_known(tmp_path: Path):
+    """Of four lifts, instruction by instruction."""
+    need_core(CORE)
+    library = compile_library(CORE, "-Os", tmp_path, worst.SOURCES, worst.LINES)
+    options = [*size.options_of("distances", "fixed"), "-DINPUTS=4", worst.LINES]
+    options.append(f"-DCOUNTS_PER_1000={CORE.counts}")
+    program, far = size.BENCH / "worst.c", replace(CORE, flash=worst.FLASH)
+    image, near, log = tmp_path / "far.elf", tmp_path / "near.elf", tmp_path / "log"
+    build(program, far, "-Os", image, *options, library=library)
+    build(program, CORE, "-Os", near, *options, library=library)
+    emulate(near, CORE, "-icount", "shift=5", "-singlestep", "-d", "exec,nochain", "-D", str(log))
+    facts = loops.facts_of("distances", "fixed", "cortex-m4f")
+    flow = worst.Flow(Program(image, CORE.system.cross), "stage_lift", facts)
+    trace = addresses(log, int(worst.FLASH.partition(",")[0], 16))
+    before: dict[int, list[int]] = {}
+    for last, address in itertools.pairwise(trace):
+        before.setdefault(address, []).append(last)
+    seen = 0
+    for function, loop, limit in flow.limits:
+        ends = {function.blocks[at].instructions[-1].address for at in loop.back}
+        turns = most = 0
+        for last in before.get(loop.head, []):
+            turns = turns + 1 if last in ends else 0
+            most = max(most, turns)
+        assert most <= limit, worst.loop_texts(function, loop, set())
+        seen += most > 0
+    assert seen > 70
+
+
 # ---- The page ----------------------------------------------------------------------------------
 
 
@@ -173,4 +211,4 @@ def test_another_figure_is_found():
     row = ROWS[0]
     worst.check([row])
     with pytest.raises(size.Disagreement, match=re.escape(f"bound={row.bound}")):
-        worst.check([worst.dataclasses.replace(row, seen=row.seen + 1)])
+        worst.check([replace(row, seen=row.seen + 1)])

@@ -10,7 +10,11 @@
 
 #include "measure.h"
 
-enum { INPUTS = 240, KINDS = 8 };
+#ifndef INPUTS
+#define INPUTS 240
+#endif
+
+enum { KINDS = 8 };
 
 static uint32_t seed = 1;
 
