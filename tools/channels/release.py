@@ -32,11 +32,16 @@ class ReleaseError(Exception):
 
 
 def channels() -> dict[str, ModuleType]:
-    """The modules of this folder that build files of a release, by name."""
+    """The modules of this folder with a build() of their own, by name."""
     names = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem != "__init__")
     others = {Path(__file__).stem}
     modules = {name: importlib.import_module(f"channels.{name}") for name in set(names) - others}
-    return {name: modules[name] for name in sorted(modules) if hasattr(modules[name], "build")}
+    own = {n: m for n, m in modules.items() if _module_of(getattr(m, "build", None)) == m.__name__}
+    return dict(sorted(own.items()))
+
+
+def _module_of(function: object) -> str | None:
+    return getattr(function, "__module__", None)
 
 
 def is_committed() -> None:
@@ -133,18 +138,23 @@ def parser(known: dict[str, ModuleType]) -> argparse.ArgumentParser:
         prog="tools/release", description=__doc__.partition("\n")[0],
         epilog=f"channels:\n{about}", formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
-    options.add_argument("channel", nargs="*", choices=[*known, []], metavar="CHANNEL",
-                         help="all, if none is named")  # fmt: skip
+    options.add_argument("channel", nargs="*", metavar="CHANNEL", help="all, if none is named")
     options.add_argument("--draft", action="store_true",
                          help="also of changes without a commit, and without a date")  # fmt: skip
     options.add_argument("--no-check", action="store_true", help="build alone")
+    options.add_argument("--options-only", action="store_true", help=argparse.SUPPRESS)
     options.add_argument("--out", type=Path, default=ROOT / "build" / "dist", help="build/dist")
     return options
 
 
 def main() -> int:
     known = channels()
-    given = parser(known).parse_args()
+    options = parser(known)
+    given = options.parse_args()
+    if unknown := [name for name in given.channel if name not in known]:
+        options.error(f"there is no channel {', '.join(unknown)}; there are {', '.join(known)}")
+    if given.options_only:
+        return 0
     wanted = {name: known[name] for name in given.channel or known}
     try:
         if not given.draft:

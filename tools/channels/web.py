@@ -15,7 +15,7 @@ from channels.detectors import DETECTORS, Detector, packages_of
 from channels.npm import package_files
 from channels.npm_packages import install, is_there
 from channels.page import build_page, loaded_bytes
-from channels.static_server import make_server
+from channels.static_server import Server, make_server
 from data.paths import ROOT
 from reports.targets import ToolError
 
@@ -89,13 +89,17 @@ def sizes_text(page: Path) -> str:
     return f"{zipped:.0f} KB to load (gzip), {plain:.0f} KB unpacked, detectors apart"
 
 
-def serve(page: Path, port: int, browser: bool) -> None:
-    """Serves until it is interrupted."""
+def open_server(port: int) -> Server:
+    """The server of the page; ToolError where the port cannot be used."""
     try:
-        server = make_server(page, port)
+        return make_server(BUILD / "page", port)
     except OSError as error:
         said = f"port {port} cannot be used ({error.strerror}): say another --port"
         raise ToolError(said) from None
+
+
+def serve(server: Server, browser: bool) -> None:
+    """Serves until it is interrupted."""
     address = f"http://localhost:{server.server_address[1]}"
     print(f"\nThe page is at {address}  (Ctrl-C stops it)", flush=True)
     if browser:
@@ -104,8 +108,6 @@ def serve(page: Path, port: int, browser: bool) -> None:
         server.serve_forever()
     except KeyboardInterrupt:
         print()
-    finally:
-        server.server_close()
 
 
 def read_options(arguments: list[str] | None) -> argparse.Namespace:
@@ -138,6 +140,8 @@ def read_options(arguments: list[str] | None) -> argparse.Namespace:
 
 def export(wanted: dict[str, Detector], folder: Path) -> None:
     """Writes the page into a folder of the user's."""
+    if folder.exists() and not folder.is_dir():
+        raise ToolError(f"{folder} is a file: name a new folder, or an older page")
     if folder.exists() and any(folder.iterdir()) and not (folder / "files.json").exists():
         raise ToolError(f"{folder} has other files: name a new folder, or an older page")
     make_page(wanted, folder)
@@ -150,11 +154,15 @@ def main(arguments: list[str] | None = None) -> int:
         if options.export:
             export(options.detectors, options.export)
         else:
-            page = make_page(options.detectors, BUILD / "page")
-            print(f"The page: {sizes_text(page)}")
-            serve(page, options.port, options.open)
-    except (ToolError, OSError) as error:
+            with open_server(options.port) as server:  # before what takes a minute
+                page = make_page(options.detectors, BUILD / "page")
+                print(f"The page: {sizes_text(page)}")
+                serve(server, options.open)
+    except ToolError as error:
         print(f"tools/web: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f"tools/web: {error.filename}: {error.strerror}", file=sys.stderr)
         return 1
     return 0
 

@@ -9,6 +9,7 @@ import argparse
 import contextlib
 import hashlib
 import os
+import shutil
 import sys
 import tempfile
 import time
@@ -25,6 +26,7 @@ from numpy.typing import NDArray
 
 import edmlift
 import edmlift.arrow
+from edmlift._binding import load
 from reports import markdown
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -171,6 +173,20 @@ def bits(table: pa.Table) -> str:
     return found.hexdigest()
 
 
+def lacks() -> str | None:
+    """What the programs need that is not there."""
+    if not PYTHON.exists():
+        folder = PYTHON.parents[1].relative_to(ROOT)
+        return f"no {folder}: tools/check makes it, by tools/requirements-corpora.txt"
+    if shutil.which("java") is None:
+        return "no java, which Spark needs (Debian: default-jre-headless)"
+    try:
+        load()
+    except (OSError, ImportError) as error:
+        return str(error)
+    return None
+
+
 def measure(rows: int, folder: Path, ways: list[str]) -> dict[str, Cost]:
     """The costs of the ways, by their names; SystemExit if they do not write the same bits."""
     corpus = folder / "corpus"
@@ -207,6 +223,8 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, help="an empty one, to keep corpus and poses in")
     parser.add_argument("--update", action="store_true", help=f"write the table into {PAGE.name}")
     args = parser.parse_args()
+    if problem := lacks():
+        sys.exit(f"corpora: {problem}")
     with tempfile.TemporaryDirectory(dir=ROOT / "build") as temporary:
         costs = measure(args.rows, args.folder or Path(temporary), args.ways)
     text = report(args.rows, costs)

@@ -51,6 +51,8 @@ def install(folder: Path) -> None:
     options = ["--no-audit", "--no-fund", "--no-package-lock", "--silent"]
     try:
         subprocess.run(["npm", "install", *options], cwd=folder, check=True)
+    except FileNotFoundError:
+        raise ToolError("npm is not installed; tools/check installs it") from None
     except (OSError, subprocess.CalledProcessError) as error:
         raise ToolError(f"npm install: {error}") from None
 

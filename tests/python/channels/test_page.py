@@ -839,6 +839,10 @@ def test_wrong_options(folder: Path):
         port = taken.getsockname()[1]
         done = run_web("--no-detector", "--port", port)
     assert done.returncode == 1 and f"port {port} cannot be used" in done.stderr
+    assert done.stdout == ""  # before anything is built
+    done = run_web("--no-detector", "--export", __file__)
+    assert done.returncode == 1
+    assert done.stderr == f"tools/web: {__file__} is a file: name a new folder, or an older page\n"
 
 
 @pytest.mark.slow

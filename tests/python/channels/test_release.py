@@ -2,17 +2,20 @@
 
 import hashlib
 import itertools
+import re
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from support import ROOT
+from support import ROOT, run_tool
 
 from channels import release
 from channels.release import ReleaseError
 from channels.version import version
+
+PAGE = (ROOT / "docs" / "release.md").read_text("utf-8")
 
 
 def channel(
@@ -96,6 +99,29 @@ def test_changes_without_a_commit(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 def test_each_channel_says_what_it_is():
     known = release.channels()
-    assert known
+    assert list(known) == ["arduino", "esp_idf", "npm", "one_file", "page", "wheels"]
     assert all((module.__doc__ or "").strip() for module in known.values())
     assert "release" not in known and (ROOT / "tools" / "release").is_file()
+
+
+def test_the_page_has_the_names_of_the_files():
+    """As the channels write them, and other pages say them; V or VERSION is the version."""
+    sources = "".join(p.read_text("utf-8") for p in (ROOT / "tools" / "channels").glob("*.py"))
+    named = set(re.findall(r"^\| `(edmlift-.+?)` \|", PAGE, re.M))
+    assert len(named) == 8
+    for name in named - {"edmlift-V.tar.gz", "edmlift-V-py3-none-PLATFORM.whl"}:  # Python's own
+        stem = re.sub(r"\.(zip|tgz|tar\.gz)$", "", name).replace("V", "{version()}")
+        assert stem in sources, name
+    for path in (ROOT / "docs").glob("*.md"):
+        said = re.findall(r"\bedmlift-[\w-]+\.(?:zip|tgz|tar\.gz|whl)\b", path.read_text("utf-8"))
+        assert {name.replace("VERSION", "V") for name in said} <= named, path.name
+
+
+def test_wrong_options_are_told_before_anything_is_installed():
+    done = run_tool("channels.release", "--options-only", "npm", "pypi")
+    assert done.returncode == 2
+    assert "there is no channel pypi; there are arduino, esp_idf, npm, " in done.stderr
+    done = run_tool("channels.release", "--options-only", "npm", "--draft")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    script = (ROOT / "tools" / "release").read_text("utf-8")
+    assert script.index("--options-only") < script.index("need_packages")

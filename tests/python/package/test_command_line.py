@@ -63,6 +63,27 @@ def test_lift_as_a_program():
     assert result.stdout.count(b"ok,") == len(WALK) and result.stderr == b""
 
 
+def test_of_a_file_that_is_no_text_a_few_lines_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture
+):
+    source = tmp_path / "picture.png"
+    source.write_bytes(b"\x89PNG\r\n" * 1500)
+    assert run("lift", source) == 1
+    printed = capsys.readouterr()
+    assert printed.out.count("bad_line,") == 1500
+    assert printed.err.count("field 1 is not a number") == 20
+    assert printed.err.endswith(f"\nedmlift: {source}: 1,480 more cannot be read\n")
+
+
+def test_a_file_without_keypoints_is_told(tmp_path: Path, capsys: pytest.CaptureFixture):
+    source = tmp_path / "empty.csv"
+    source.write_text("# nobody\n\n")
+    assert run("lift", source) == 0
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err == f"edmlift: warning: {source}: holds no keypoints\n"
+
+
 def test_a_bad_line_is_said_and_shifts_nothing(tmp_path: Path, capsys: pytest.CaptureFixture):
     lines = WALK_CSV.read_text().splitlines()[4:7]
     source = tmp_path / "in.csv"

@@ -27,6 +27,8 @@ from edmlift.motion import MOTION_SUFFIXES
 from edmlift.placing import place
 from edmlift.tables import is_table
 
+SHOWN = 20  # of what cannot be read, a line each
+
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     parser = commands.add_parser(
@@ -78,8 +80,7 @@ def _lift(options: argparse.Namespace) -> int:
     else:
         lines = read_source(source, options.format, as_json)
     poses = lift_lines(lines, options)
-    for index, problem in lines.problems.items():
-        print(f"edmlift: {lines.where(index)}: {problem}", file=sys.stderr)
+    _say_problems(lines, source)
     for warning in poses.warnings:
         print(f"edmlift: warning: {warning}", file=sys.stderr)
     if is_motion:
@@ -94,6 +95,18 @@ def _lift(options: argparse.Namespace) -> int:
     else:
         Path(options.out).write_bytes(out)
     return TROUBLE if lines.problems else 0
+
+
+def _say_problems(lines: Lines, source: str) -> None:
+    """A line each of the first, because a file that is no text has many."""
+    problems = list(lines.problems.items())
+    for index, problem in problems[:SHOWN]:
+        print(f"edmlift: {lines.where(index)}: {problem}", file=sys.stderr)
+    if len(problems) > SHOWN:
+        more = len(problems) - SHOWN
+        print(f"edmlift: {source}: {more:,} more cannot be read", file=sys.stderr)
+    if not lines.numbers:
+        print(f"edmlift: warning: {source}: holds no keypoints", file=sys.stderr)
 
 
 def _is_motion(options: argparse.Namespace) -> bool:
