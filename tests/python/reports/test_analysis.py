@@ -74,6 +74,7 @@ def test_a_finding_without_a_reason_is_an_error():
         analysis.refuse([analysis.Finding("cert-x", "lib/a.c", "1:2")])
 
 
+@pytest.mark.claims("docs/analysis.md", "tidy")
 def test_the_page_has_what_is_turned_off_and_why():
     rows = markdown.read(analysis.PAGE, "tidy").splitlines()[2:]
     cells = [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
@@ -81,6 +82,7 @@ def test_the_page_has_what_is_turned_off_and_why():
     assert all(int(count) > 0 for _, count, _ in cells), "else it need not be turned off"
 
 
+@pytest.mark.claims("docs/analysis.md", "analyser")
 def test_the_page_has_what_is_explained():
     rows = markdown.read(analysis.PAGE, "analyser").splitlines()[2:]
     titles = [row.strip("|").split("|")[0].strip() for row in rows]

@@ -48,6 +48,7 @@ def test_what_is_not_true_is_an_alarm(tmp_path: Path):
         eva.demand_no_alarm("numbers", found)
 
 
+@pytest.mark.claims("docs/proof.md", "assumed")
 def test_the_table_of_assumptions_is_that_of_the_text():
     assert markdown.read(eva.PAGE, "assumed") == eva.assumed_table(eva.assumptions())
 

@@ -187,6 +187,7 @@ def test_no_loop_that_was_seen_goes_on_more_often_than_is_known(tmp_path: Path):
 
 
 @pytest.mark.slow
+@pytest.mark.claims("docs/costs.md", "worst")
 def test_the_page_has_the_bounds():
     need_core(CORE)
     worst.check(worst.measure_core("cortex-m4f"))
