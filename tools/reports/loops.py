@@ -220,7 +220,7 @@ def mds_totals() -> list[tuple[dict[str, int], int]]:
         ({"mds.h: } while (*sweeps < most": 1}, 8),
         ({"mds.h: for (int n = sweeps[k]; n > 0; n--)": 1}, 8),
         ({"householder.h: for (int j = i + 1; j < m; j++)": 1}, (square - sum(orders)) // 2),
-        ({"householder.h: for (int j = i; j < m; j++)": 1}, (square + sum(orders)) // 2),
+        ({"householder.h: for (int j = i; j < m; j++": 1}, (square + sum(orders)) // 2),
         # bands, vectors, minors and their derivatives
         ({"real_q24.h: for (int i = 0; i < n; i++) bits": 1}, normalised),
         ({"real_q24.h: for (int i = 0; i < n; i++) x[i]": 1}, normalised),
