@@ -94,6 +94,24 @@ static void the_best_rotation_is_a_rotation_and_the_best(void)
     }
 }
 
+/* Of two that are off by some 1e-3 in all products of their rows the one after the other is off by the square. */
+static void rotations_after_one_another_stay_rotations(void)
+{
+    rng r = rng_seed(409);
+    for (int n = 0; n < 200; n++) {
+        matrix3 a = random_axes(&r), b = random_axes(&r);
+        add_multiple(&a.x, 5e-4F, (point){gauss(&r), gauss(&r), gauss(&r)});
+        add_multiple(&a.y, 5e-4F, (point){gauss(&r), gauss(&r), gauss(&r)});
+        add_multiple(&b.z, 5e-4F, (point){gauss(&r), gauss(&r), gauss(&r)});
+        const matrix3 both = compose_rotations(&a, &b), plain = compose(&a, &b), back = transpose(&both);
+        const matrix3 square = compose(&both, &back);
+        TEST_ASSERT_ERROR_UP_TO(2e-5F, norm(minus(square.x, (point){1, 0, 0})));
+        TEST_ASSERT_ERROR_UP_TO(2e-5F, norm(minus(square.y, (point){0, 1, 0})));
+        TEST_ASSERT_ERROR_UP_TO(2e-5F, norm(minus(square.z, (point){0, 0, 1})));
+        TEST_ASSERT_ERROR_UP_TO(4e-3F, off_by(&both, &plain));
+    }
+}
+
 /* ---- Orthogonal iteration -------------------------------------------------------------------------- */
 
 static void alternating_never_raises_the_error_in_space(void)
@@ -496,6 +514,7 @@ int main(void)
     RUN_TEST(a_scene_has_numbers_of_about_one);
     RUN_TEST(flat_points_have_a_start);
     RUN_TEST(lines_of_sight_end_at_a_tangent_of_two);
+    RUN_TEST(rotations_after_one_another_stay_rotations);
     RUN_TEST(the_best_rotation_is_the_one_that_made_the_points);
     RUN_TEST(the_best_rotation_is_a_rotation_and_the_best);
     RUN_TEST(alternating_never_raises_the_error_in_space);

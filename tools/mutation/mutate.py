@@ -2,7 +2,7 @@
 
     mutate                        a sample of lib/, and denser ones of some parts (docs/mutation.md)
     mutate --file lib/lift/mds.h  all mutants of a file, or of the files that begin so
-    mutate --again                the mutants of the last run: those that lived, with new tests
+    mutate --again                those that lived in the last run, with new tests and sanitizers
     mutate --update               writes the tables of docs/mutation.md
     mutate --list                 prints mutants, and runs none
 
@@ -113,7 +113,7 @@ def mutate(args: argparse.Namespace) -> Results:
     compiled = build.write_what_compiles(left, alone)
     mutants = {n: m for n, m in choice.mutants.items() if n in choice.killers or n in compiled}
     results = Results(mutants, choice.sampled & mutants.keys(), choice.killers, {})
-    for kind in build.FLAGS:
+    for kind in ["sanitized"] if args.again else build.FLAGS:
         run_living(results, kind, args.jobs)
     results.equivalent.update((n, reasons[n]) for n in results.living() if n in reasons)
     for number in tqdm(results.living(), unit="mutant", desc="Comparing object code"):
