@@ -634,6 +634,25 @@ static void confidences_whose_sum_is_no_number_are_refused(void)
 }
 #endif
 
+/* In fixed point the longer half of the focal lengths is out of range there. */
+static void an_image_of_twelve_megapixels_has_a_focal_length(void)
+{
+    rng r = rng_seed(305);
+    for (int n = 0; n < 10; n++) {
+        edml_camera found;
+        camera = (edml_camera){1932, 1932, 2000, 1500}; /* one of the sweep's */
+        random_human(&r, person);
+        root_at_mid_hip(person);
+        stand_at(0.3F, 0, 1.8F);
+        take_pose(mid_hip(), random_rotation(&r));
+        see(in, &camera, person);
+        TEST_ASSERT_EQUAL_INT(EDML_OK,
+                              edml_place_sweep(&placement, &found, &pose, in, 4000, 3000, &work, sizeof work));
+        TEST_ASSERT_FLOAT_WITHIN(0.35F * 1932, 1932, found.fx);
+        TEST_ASSERT_TRUE(found.cx == 2000 && found.cy == 1500);
+    }
+}
+
 /* An arm of 2.5 m, which was not seen, from someone 1.6 m away who points at the camera. */
 static void a_joint_behind_the_camera(void)
 {
@@ -887,6 +906,7 @@ int main(void)
 #ifndef EDML_TEST_Q24
     RUN_TEST(confidences_whose_sum_is_no_number_are_refused);
 #endif
+    RUN_TEST(an_image_of_twelve_megapixels_has_a_focal_length);
     RUN_TEST(a_joint_behind_the_camera);
     RUN_TEST(a_person_off_the_axis_is_the_one_on_the_axis_turned);
     RUN_TEST(on_the_axis_it_is_the_lift_without_a_camera);
