@@ -326,6 +326,54 @@ static void body_of(const float length[EDML_BONES], const rotation3 *turned)
 static const float usual_bones[EDML_BONES] = {0.29F,  0.195F, 0.26F, 0.26F,  0.195F, 0.26F, 0.26F,
                                               0.455F, 0.405F, 0.42F, 0.455F, 0.405F, 0.42F};
 
+/* A pose of so many times the body's length from head to ankle. */
+static edml_status fit_pose_of(float times)
+{
+    memset(&body, 0, sizeof body);
+    body.height = 0.51F;
+    body_of(usual_bones, NULL);
+    const float factor = times * CHAIN * body.height / (float)chain_of(&pose);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        pose.joint[j].x *= factor;
+        pose.joint[j].y *= factor;
+        pose.joint[j].z *= factor;
+    }
+    return edml_fit_body(&pose, &body);
+}
+
+static void poses_from_half_to_eight_times_the_body_are_fitted(void)
+{
+    static const float fits[] = {0.51F, 1, 7.5F, 7.95F}, none[] = {0.49F, 8.05F, 8.5F};
+    for (int n = 0; n < 4; n++) TEST_ASSERT_EQUAL_INT(EDML_OK, fit_pose_of(fits[n]));
+    for (int n = 0; n < 3; n++) TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, fit_pose_of(none[n]));
+}
+
+static void heights_from_half_a_metre_are_a_body_s(void)
+{
+    static const float height[] = {0.35F, 0.4F, 0.49F, 0.51F};
+    for (int n = 0; n < 4; n++) {
+        body_of(usual_bones, NULL);
+        memset(&body, 0, sizeof body);
+        body.height = height[n];
+        TEST_ASSERT_EQUAL_INT(n < 3 ? EDML_ERR_BODY : EDML_OK, edml_fit_body(&pose, &body));
+    }
+}
+
+/* A bone that is to become more than 64 times as long has no direction. */
+static void bones_become_up_to_64_times_as_long(void)
+{
+    static const float times[] = {63, 64.6F};
+    for (int n = 0; n < 2; n++) {
+        float bones[EDML_BONES];
+        memcpy(bones, usual_bones, sizeof bones);
+        bones[3] = 0.25F / times[n];
+        body_of(bones, NULL);
+        memset(&body, 0, sizeof body);
+        body.bone[3] = 0.25F;
+        TEST_ASSERT_EQUAL_INT(n ? EDML_ERR_DEGENERATE : EDML_OK, edml_fit_body(&pose, &body));
+    }
+}
+
 /* What the quality is the sigmoid of, (1 + s / sqrt(1 + s^2)) / 2. */
 static double score_of(void)
 {
@@ -620,6 +668,9 @@ int main(void)
     RUN_TEST(the_more_from_the_side_the_higher_the_quality);
     RUN_TEST(joints_anywhere_have_hardly_any_quality);
     RUN_TEST(each_missing_joint_lowers_quality_alike);
+    RUN_TEST(poses_from_half_to_eight_times_the_body_are_fitted);
+    RUN_TEST(heights_from_half_a_metre_are_a_body_s);
+    RUN_TEST(bones_become_up_to_64_times_as_long);
     RUN_TEST(quality_costs_what_the_fit_says);
     RUN_TEST(misfits_count_up_to_half_a_metre);
     RUN_TEST(a_bone_out_of_the_range_costs_by_the_metre);

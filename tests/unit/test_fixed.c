@@ -4,7 +4,7 @@
  */
 #include <stdlib.h>
 
-#include "number/fixed.h"
+#include "number/real_q24.h"
 #include "helpers.h"
 
 /* The same text as where the processor has no instruction for a division. */
@@ -127,6 +127,45 @@ static void halves_go_away_from_zero(void)
     TEST_ASSERT_EQUAL_INT(0, edml__divide_q24(1, (1 << 25) + 1));
 }
 
+/* ---- real_q24.h ------------------------------------------------------------------------------------- */
+
+static void rates_end_at_64_a_second(void)
+{
+    static const int32_t end = (1 << 30) - 1;
+    TEST_ASSERT_EQUAL_INT32(end, per_second_q24(INT32_MAX, 1));
+    TEST_ASSERT_EQUAL_INT32(-end, per_second_q24(-INT32_MAX, 1));
+    TEST_ASSERT_EQUAL_INT32(end, per_second_q24(1 << 30, 999));
+    TEST_ASSERT_INT32_WITHIN(64, (1 << 24) * 10, per_second_q24(1 << 24, 100));
+    TEST_ASSERT_INT32_WITHIN(64, -(1 << 24), per_second_q24(-(1 << 24), 1000));
+}
+
+static void shifts_are_products_by_powers_of_two(void)
+{
+    for (int n = 0; n <= 7; n++) {
+        TEST_ASSERT_EQUAL_INT32(-(5 << (20 + n)), shift_q24(-(5 << 20), n));
+        TEST_ASSERT_EQUAL_INT32(-(5 << (20 - n)), shift_q24(-(5 << 20), -n));
+    }
+    TEST_ASSERT_EQUAL_INT32(0, shift_q24(INT32_MAX, -40));
+    TEST_ASSERT_EQUAL_INT32(-1, shift_q24(INT32_MIN, -40)); /* rounded down */
+}
+
+static void the_largest_number_is_normalised_to_a_half_up_to_one(void)
+{
+    rng r = rng_seed(66);
+    for (int n = 0; n < 500; n++) {
+        int32_t x[5], was[5], largest = 0;
+        for (int i = 0; i < 5; i++) was[i] = x[i] = (int32_t)rng_bits(&r) >> (2 + n % 28);
+        const int exponent = normalise_q24(x, 5);
+        for (int i = 0; i < 5; i++) {
+            if (abs(x[i]) > largest) largest = abs(x[i]);
+            TEST_ASSERT_EQUAL_INT32(shift_q24(was[i], exponent), x[i]);
+        }
+        TEST_ASSERT_TRUE(largest >= 1 << 23 && largest <= 1 << 24);
+    }
+    int32_t none[2] = {0, 0};
+    TEST_ASSERT_EQUAL_INT(0, normalise_q24(none, 2));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -138,5 +177,8 @@ int main(void)
     RUN_TEST(ratios_of_random_numbers_of_every_size);
     RUN_TEST(ratios_at_the_ends);
     RUN_TEST(halves_go_away_from_zero);
+    RUN_TEST(rates_end_at_64_a_second);
+    RUN_TEST(shifts_are_products_by_powers_of_two);
+    RUN_TEST(the_largest_number_is_normalised_to_a_half_up_to_one);
     return UNITY_END();
 }

@@ -285,6 +285,7 @@ static void time_goes_on(void)
     expect(EDML_ERR_TIME, time - 1);
     expect(EDML_ERR_TIME, time + 0x80000001U);
     TEST_ASSERT_EQUAL_INT(EDML_OK, edml_path_follow(&path, &placement, time + 1));
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_path_follow(&path, &placement, time + 1 + UINT32_MAX / 2));
 }
 
 static void a_placement_that_is_none_is_refused(void)
@@ -304,6 +305,8 @@ static void a_placement_that_is_none_is_refused(void)
     place_at(point_of(0, -101, 50));
     expect(EDML_ERR_CAMERA, time);
     place_at(point_of(0, 0, -4));
+    expect(EDML_ERR_CAMERA, time);
+    place_at(point_of(1, 0, 0));
     expect(EDML_ERR_CAMERA, time);
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_path_follow(NULL, &placement, time));
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_path_follow(&path, NULL, time));
