@@ -75,9 +75,12 @@ def names_in(*files: Path) -> set[str]:
 
 @pytest.mark.parametrize("page", OF_TODAY, ids=name_of)
 def test_names_of_the_library_exist(page: Path) -> None:
-    """But for models of one's own; of `edml_fconn_*` the beginning does."""
-    model = ROOT / "lib" / "network" / "model.h"
-    known = names_in(*(ROOT / "include").rglob("*.h"), model)
+    """But for models of one's own; of `edml_fconn_*` the beginning does.
+
+    Mutants are of names that others do not see.
+    """
+    inside = (ROOT / "lib").rglob("*.[ch]" if page.stem == "mutation" else "model.h")
+    known = names_in(*(ROOT / "include").rglob("*.h"), *inside)
     for name in names_in(page):
         own = name.startswith(("edml_mine", "edml_verb", "edml__NAME"))
         assert own or name in known or any(k.startswith(name) for k in known), name
