@@ -15,7 +15,7 @@ from fuzzing.targets import BUILD, OUT, Target, shown, sources_of
 LOG = OUT / "log.jsonl"
 SEEDS = 32  # pseudo-random inputs that a corpus begins with
 GUIDED_SHARE = 0.25  # of a target's time, unless another is asked for
-COVERAGE_SECONDS = 2  # of pseudo-random inputs, besides the corpus
+COVERAGE_SECONDS = 1  # of pseudo-random inputs, besides the corpus
 SLOWEST = 30  # seconds that an input may take
 MEMORY = 1024  # MiB that an input may take; of a reader, Python and its packages included
 READERS_MEMORY = 2048

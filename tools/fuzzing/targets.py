@@ -96,11 +96,14 @@ def all_targets() -> list[Target]:
     ]
 
 
+SOURCES = {
+    "library": ("lib", "include"),
+    "stdin": ("lib", "include", "examples/lift_stdin"),
+    "readers": ("tools/edmlift", "tools/export", "tools/data"),
+}
+
+
 def sources_of(target: Target) -> Sequence[Path]:
     """What a run of the target is a run of: if these change, its figures are of something else."""
-    readers = ("edmlift", "export", "data")
-    folders = [ROOT / "tools" / name for name in readers] if target.program == "readers" else []
-    if not folders:
-        folders = [ROOT / "lib", ROOT / "include", ROOT / "examples" / "lift_stdin"]
-    files = (path for folder in folders for path in folder.rglob("*"))
+    files = (path for folder in SOURCES[target.program] for path in (ROOT / folder).rglob("*"))
     return sorted(path for path in files if path.suffix in (".c", ".h", ".py"))
