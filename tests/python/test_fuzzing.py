@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from fuzzing.runs import Figures
 from fuzzing.targets import FUZZ, Target, all_targets, library_targets, reader_targets
 from reports import markdown
 
+PAGE = ROOT / "docs" / "fuzzing.md"
 NAMES = [target.name for target in all_targets()]
 
 
@@ -112,6 +114,19 @@ def test_comments_are_no_sources(tmp_path: Path) -> None:
         (tmp_path / "a.c").write_text(text)
         hashes.append(runs.hash_of([tmp_path / "a.c"]))
     assert hashes[0] == hashes[1] != hashes[2]
+
+
+def numbers_of(row: Sequence[str]) -> list[int]:
+    return [int(cell.replace(",", "") or 0) for cell in row[1:]]
+
+
+def test_the_page_has_the_figures_of_every_target() -> None:
+    *rows, everything = rows_of(markdown.read(PAGE, "fuzzing"))
+    assert [named_in(row[0]) for row in rows] == [[name] for name in NAMES]
+    assert all(numbers_of(row)[0] > 0 for row in rows)
+    guided, fast, watched, _, _, findings = numbers_of(everything)
+    assert [guided, fast, watched] == [sum(numbers_of(row)[n] for row in rows) for n in range(3)]
+    assert guided + fast >= 100_000_000 and findings == 0
 
 
 # ---- The command ---------------------------------------------------------------------------------
