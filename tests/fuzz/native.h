@@ -109,8 +109,8 @@ static inline void to_keypoints(edml_keypoint out[], const sighting in[], int co
 
 static inline edml_point to_point(place3 p)
 {
-    const edml_point point = {to_api(p.x), to_api(p.y), to_api(p.z)};
-    return point;
+    const edml_point made = {to_api(p.x), to_api(p.y), to_api(p.z)};
+    return made;
 }
 
 static inline place3 from_point(edml_point p)

@@ -93,5 +93,5 @@ void FUZZ_TARGET(eigen)(choices *from)
           offsetof(edml_eigen, diagonal));
 #endif
     check_vectors(&eigen);
-    check_values(&eigen, a);
+    check_values(&eigen, (const double(*)[EDML_JOINTS])a);
 }
