@@ -53,7 +53,9 @@ static inline matrix3 compose_rotations(const matrix3 *second, const matrix3 *fi
  * not on the stack while others divide. */
 static EDML_NOINLINE matrix3 quaternion_rotation(real w, point v)
 {
-    const real ratio = DIV(REAL(2.0), SQUARE(w) + dot(v, v));
+    const real square = SQUARE(w) + dot(v, v);
+    ASSUME(REAL(0.24) <= square && square <= REAL(64.0)); /* 1/4 or more, but for rounding */
+    const real ratio = DIV(REAL(2.0), square);
     const point a = times(ratio, v);
     const real xx = MUL(a.x, v.x), yy = MUL(a.y, v.y), zz = MUL(a.z, v.z);
     const real xy = MUL(a.x, v.y), xz = MUL(a.x, v.z), yz = MUL(a.y, v.z);
@@ -61,6 +63,8 @@ static EDML_NOINLINE matrix3 quaternion_rotation(real w, point v)
     const matrix3 r = {{REAL(1.0) - yy - zz, xy - wz, xz + wy},
                        {xy + wz, REAL(1.0) - xx - zz, yz - wx},
                        {xz - wy, yz + wx, REAL(1.0) - xx - yy}};
+    /* unit vectors */
+    ASSUME(ALL_WITHIN(r.x, REAL(1.001)) && ALL_WITHIN(r.y, REAL(1.001)) && ALL_WITHIN(r.z, REAL(1.001)));
     return r;
 }
 
@@ -106,10 +110,13 @@ static real square_and_scale(horn_matrix *n)
         }
         trace += square.at[i][i];
     }
+    /* of eigenvalues that are not negative and add up to 1 */
+    ASSUME(REAL(0.24) <= trace && trace <= REAL(1.01));
     const real scale = DIV(REAL(1.0), trace);
     for (int i = 0; i < 4; i++)
         for (int j = i; j < 4; j++) {
             n->at[i][j] = MUL(scale, square.at[i][j]);
+            ASSUME(WITHIN(n->at[i][j], REAL(1.01))); /* nor is an entry larger than the trace */
             n->at[j][i] = n->at[i][j];
         }
     return trace;
@@ -120,7 +127,10 @@ static real square_and_scale(horn_matrix *n)
  * matrix. */
 static int nearest_rotation(matrix3 *r, const matrix3 *m)
 {
-    const real size = NORM(norm(m->x), norm(m->y), norm(m->z));
+    const real x = norm(m->x), y = norm(m->y), z = norm(m->z);
+    /* of any matrix here: that of lift/align.h is the largest */
+    ASSUME(x <= REAL(50.0) && y <= REAL(50.0) && z <= REAL(50.0));
+    const real size = NORM(x, y, z);
     if (!(size > EPSILON)) return 0;
     const matrix3 unit = {over_length(m->x, size), over_length(m->y, size), over_length(m->z, size)};
     horn_matrix n = horn_matrix_of(&unit);

@@ -23,6 +23,8 @@ static matrix3 sum_products(const point onto[EDML_JOINTS], const point x[EDML_JO
         add_multiple(&m.y, onto[j].y, eighth);
         add_multiple(&m.z, onto[j].z, eighth);
     }
+    /* squares add up to less than that of 50 */
+    ASSUME(ALL_WITHIN(m.x, REAL(50.0)) && ALL_WITHIN(m.y, REAL(50.0)) && ALL_WITHIN(m.z, REAL(50.0)));
     return m;
 }
 

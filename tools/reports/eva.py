@@ -61,6 +61,18 @@ ALL: dict[str, Program] = {
     ),
     "fuse": Program("points and image to a pose", ("models/direct_w16", *JOINTS)),
     "mds": Program("distances to points, but for Jacobi's rotations", JOINTS[1:]),
+    "network_distances": Program(
+        "image and upward direction to distances and points, by `edml_distances_w16`",
+        (*NETWORK, "models/distances_w16", *JOINTS),
+    ),
+    "align": Program(
+        "points of distances to the axes of the network's points",
+        ("models/distances_w16", *JOINTS),
+        (*SPLIT, "-eva-slevel", "100"),
+    ),
+    "mirror": Program(
+        "points to those of the person or of their mirror image", ("models/fconn_w16", *JOINTS)
+    ),
     "with_camera": Program(
         "keypoints and upward direction to a camera that looks at the person, and a pose back",
         JOINTS[1:],
