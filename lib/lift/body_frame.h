@@ -102,7 +102,8 @@ static void centre_and_scale(edml_image *image, uint16_t known)
     const real middle = (top + bottom) / 2, high = (bottom - top) / 2;
     const real half = MUL(high, WIDEST) > reach ? high : DIV(reach, WIDEST);
     ASSUME(half >= REAL(0.27)); /* two seen joints are 2 or more apart */
-    const real scale = DIV(REAL(1.0), half); /* <= 3.7, and |u - mean| <= 11.2 */
+    const real scale = DIV(REAL(1.0), half); /* |u - mean| <= 11.2 */
+    ASSERT(scale <= REAL(3.71));
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!is_seen(known, j)) continue;
         image->at[j].u = clamp_real(MUL(scale, image->at[j].u - mean), FARTHEST);

@@ -33,7 +33,8 @@ static EDML_NOINLINE void sum_fusion(fusion_sums *o, const point x[EDML_JOINTS],
         if (!is_seen(image->seen, j)) continue;
         const real away = x[j].z - o->mean.z;
         ASSUME(WITHIN(away, REAL(6.0))); /* no two are farther apart */
-        const real half = REAL(0.5) + MUL(nearness, away) / 2; /* -0.5 to 1.5 */
+        const real half = REAL(0.5) + MUL(nearness, away) / 2;
+        ASSERT(-REAL(0.501) <= half && half <= REAL(1.501));
         const edml_image_point at = {MUL(half, image->at[j].u), MUL(half, image->at[j].v)};
         u += MUL(weight, at.u);
         v += MUL(weight, at.v);

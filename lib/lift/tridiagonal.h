@@ -82,6 +82,7 @@ static real laguerre_step(const minors *f, const minors *slope, const minors *cu
     if (!(f->at[0] > 0 && slope->at[0] > 0) || exponent > 2) return 0; /* Newton's step is within 2 */
     ASSUME(slope->at[0] >= REAL(0.5)); /* normalised */
     const real newton = DIV(f->at[0], slope->at[0]), bend = DIV(curve->at[0], slope->at[0]); /* within 2 */
+    ASSERT(newton <= REAL(2.001) && WITHIN(bend, REAL(2.001)));
     const real part = bent > 1 ? REAL(1.0)
                                : MUL(share, SHIFT(MUL(newton, bend), bent)); /* to 1, or rounding */
     const real root = part < REAL(1.0) ? SQRT(REAL(1.0) - part) : 0;
