@@ -95,7 +95,9 @@ class Suite:
         if done.returncode == 0:
             return None
         failed = re.search(r":(\w+):FAIL", done.stdout)
-        return failed[1] if failed else f"ends by signal {-done.returncode}"
+        if failed:
+            return failed[1]
+        return "a sanitizer" if done.returncode > 0 else f"ends by signal {-done.returncode}"
 
     def is_reached(self, number: int) -> bool:
         return any(number in test.reached for test in self.tests)
