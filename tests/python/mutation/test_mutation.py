@@ -10,6 +10,7 @@ from builds import need
 from mutation import build, results
 from mutation.operators import Mutant, apply, enumerators, mutants_of, schema
 from mutation.runs import Suite
+from reports import markdown
 
 TEXT = """\
 /* a + b in a comment */
@@ -181,3 +182,12 @@ def test_scores_leave_out_the_equivalent_ones() -> None:
     assert found.row(set(range(10))) == [10, 8, 1, 1, pytest.approx(100 * 8 / 9)]
     assert found.living() == [9]
     assert "| `lib/optional/quality.h` | 10 | 8 | 1 | 1 | 88.9 |" in results.file_table(found)
+
+
+def test_the_page_has_the_scores_that_are_asked_for() -> None:
+    page = Path(build.ROOT, "docs", "mutation.md")
+    rows = [line.split("|") for line in markdown.read(page, "mutation-scores").splitlines()[2:]]
+    scores = {row[1].strip(): float(row[-2]) for row in rows}
+    assert len(scores) == 1 + len(results.PARTS)
+    for part, score in scores.items():
+        assert score >= (92 if part.startswith("all") else 90), part
