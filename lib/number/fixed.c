@@ -41,7 +41,7 @@ static uint32_t reciprocal(uint32_t divisor)
     return (start << 8) + (uint32_t)((int32_t)start * off >> 15);
 }
 
-/* n / divisor, which is below 2^17, rounded down. */
+/* n / divisor, rounded down, for n < (divisor + 1) 2^16. */
 static uint32_t quotient(uint32_t n, uint32_t divisor, uint32_t inverse)
 {
     uint32_t digit = (n >> 16) * inverse >> 15; /* too small by five at most */

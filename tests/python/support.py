@@ -51,6 +51,9 @@ def run_tool(program: str, *arguments: object) -> subprocess.CompletedProcess:
             runpy.run_path(command[0], run_name="__main__")
         except SystemExit as end:
             status = end.code
+            if isinstance(status, str):  # as Python does
+                print(status, file=err)
+                status = 1
     return subprocess.CompletedProcess(command, status or 0, out.getvalue(), err.getvalue())
 
 
