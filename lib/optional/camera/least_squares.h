@@ -20,12 +20,12 @@ static int is_solution(wide numerator, real pivot)
 }
 
 /* Solves A x = b for a symmetric positive A by elimination; returns 0 if there is no solution whose components
- * are below MAX_SOLUTION.  A's entries are 9 at most, those of b 50.  A numerator over a pivot d is below sqrt(d)
- * times the root of A's largest entry. */
+ * are below MAX_SOLUTION, or if A is nearly singular: an entry is 64 times the pivot.  A's entries are 9 at most,
+ * those of b 50.  A numerator over a pivot d is below sqrt(d) times the root of A's largest entry. */
 static int solve3(point *x, const matrix3 *a, point b)
 {
     const real one = REAL(1.0);
-    if (!(a->x.x > SINGULAR_PIVOT)) return 0;
+    if (!(a->x.x > SINGULAR_PIVOT) || ABS(a->x.y) / 64 >= a->x.x || ABS(a->x.z) / 64 >= a->x.x) return 0;
     const real yx = DIV(a->x.y, a->x.x), zx = DIV(a->x.z, a->x.x);
     const real yy = a->y.y - MUL(yx, a->x.y), yz = a->y.z - MUL(yx, a->x.z);
     if (!(yy > SINGULAR_PIVOT) || ABS(yz) / 64 >= yy) return 0;
