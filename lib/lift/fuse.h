@@ -63,10 +63,8 @@ static void move_to_image(point x[EDML_JOINTS], const fusion_sums *o, uint16_t s
         if (!is_seen(seen, j)) continue;
         const real part = MUL(share[j], weight);
         /* The squares of scale at, about its mean, have a mean of 72 at most: each is <= sqrt(14 * 72). */
-        const real u = MUL_TO(REAL(31.75), scale, o->at[j].u - o->at_mean.u);
-        const real v = MUL_TO(REAL(31.75), scale, o->at[j].v - o->at_mean.v);
-        x[j].x += MUL(part, u - (x[j].x - o->mean.x));
-        x[j].y += MUL(part, v - (x[j].y - o->mean.y));
+        x[j].x += MUL(part, MUL_TO(REAL(31.75), scale, o->at[j].u - o->at_mean.u) - (x[j].x - o->mean.x));
+        x[j].y += MUL(part, MUL_TO(REAL(31.75), scale, o->at[j].v - o->at_mean.v) - (x[j].y - o->mean.y));
     }
 }
 

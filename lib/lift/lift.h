@@ -73,10 +73,9 @@ edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], cons
     const real misfit = edml_fuse(work->x, &work->image, work->prediction.share, model);
     turn_to_camera(work->x, work->image.down);
     for (int j = 0; j < EDML_JOINTS; j++) {
-        const point p = work->x[j];
         /* no two are farther apart than sqrt(2 * 14 * 72) = 45 m across and along */
-        ASSUME(WITHIN(p.x, REAL(45.0)) && WITHIN(p.y, REAL(45.0)));
-        pose->joint[j] = api_point(p);
+        ASSUME(WITHIN(work->x[j].x, REAL(45.0)) && WITHIN(work->x[j].y, REAL(45.0)));
+        pose->joint[j] = api_point(work->x[j]);
     }
     pose->misfit = TO_API(misfit);
     pose->seen = work->image.seen;
