@@ -165,7 +165,7 @@ def main() -> int:
         results = mutate(args)
         written = tables(results)
         if args.file:
-            del written["mutation-scores"]
+            del written["mutation_scores"]
         print("\n".join(written.values()))
         if args.update:
             for name, text in written.items():

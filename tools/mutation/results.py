@@ -118,8 +118,8 @@ def living_list(results: Results) -> str:
 
 def tables(results: Results) -> dict[str, str]:
     return {
-        "mutation-scores": score_table(results),
-        "mutation-files": file_table(results),
-        "mutation-faults": operator_table(results),
-        "mutation-alive": living_list(results),
+        "mutation_scores": score_table(results),
+        "mutation_files": file_table(results),
+        "mutation_faults": operator_table(results),
+        "mutation_alive": living_list(results),
     }

@@ -186,7 +186,7 @@ def test_scores_leave_out_the_equivalent_ones() -> None:
 
 def test_the_page_has_the_scores_that_are_asked_for() -> None:
     page = Path(build.ROOT, "docs", "mutation.md")
-    rows = [line.split("|") for line in markdown.read(page, "mutation-scores").splitlines()[2:]]
+    rows = [line.split("|") for line in markdown.read(page, "mutation_scores").splitlines()[2:]]
     scores = {row[1].strip(): float(row[-2]) for row in rows}
     assert len(scores) == 1 + len(results.PARTS)
     for part, score in scores.items():
