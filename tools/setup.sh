@@ -4,7 +4,8 @@
 #   step TEXT LOG COMMAND...           one line of output; what the command prints is in build/log
 #   need_packages [cmake] [COMMAND:PACKAGE]...
 #                                      compiler, Python with venv, with `cmake` also that and Ninja or Make,
-#                                      and the commands named: installs what is missing, or says its name
+#                                      and the commands, or files, named: installs what is missing, or says
+#                                      its name
 #   firmware_packages                  such pairs, for tools/reports/targets.py
 #   make_venv [NAME]                   build/venv by tools/requirements.txt; with a NAME build/venv-NAME
 #                                      by tools/requirements-NAME.txt.  Sets `venv`
@@ -24,7 +25,7 @@ if ! mkdir -p "$logs" 2>/dev/null || ! [ -w "$logs" ] || ! [ -w build ]; then
     exit 1
 fi
 
-has() { command -v "$1" >/dev/null 2>&1; }
+has() { command -v "$1" >/dev/null 2>&1 || [[ $1 = /* && -e $1 ]]; } # a command, or a file by its whole path
 
 step() {
     local text=$1 log=$logs/$2.log start=$SECONDS

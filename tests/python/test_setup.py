@@ -39,6 +39,17 @@ def test_a_read_only_checkout_that_was_built_before(tmp_path: Path) -> None:
     assert "Cannot write into" in said_in(tmp_path, "demo")
 
 
+def test_a_file_counts_as_a_command_that_is_there(tmp_path: Path) -> None:
+    """Such as a C library of another processor, which no command tells of."""
+    there = tmp_path / "libc.a"
+    there.touch()
+    copy_tools(tmp_path, "demo")
+    pairs = f"{there}:first {tmp_path}/libm.a:second no-such-command:third"
+    script = f"source tools/setup.sh; missing_packages {pairs}"
+    said = subprocess.run(["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True)
+    assert said.stdout.split()[-2:] == ["second", "third"] and "first" not in said.stdout
+
+
 # ---- tools/check ---------------------------------------------------------------------------------
 
 STUB = """#!/bin/sh
