@@ -390,8 +390,6 @@ def test_the_picture_in_the_docs():
 
 # ---- In a browser ------------------------------------------------------------------------------
 
-in_a_browser = pytest.mark.xdist_group("browser")  # which one worker starts
-
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Page]:
@@ -436,7 +434,6 @@ def pixel(page: Page, selector: str, x: float, y: float) -> list[int]:
     return found
 
 
-@in_a_browser
 def test_the_page_has_the_numbers(page: Page, tmp_path: Path):
     opened(page, tmp_path / "x.html", gappy(), quality=np.full(FRAMES, 0.5))
     found = np.array(page.evaluate("edmliftView.pose(3)")).reshape(14, 3)
@@ -458,7 +455,6 @@ def test_the_page_has_the_numbers(page: Page, tmp_path: Path):
     assert texts[2] == f"{lean(TRUTH[3]):.0f}°" and texts[-1] == "0.50"
 
 
-@in_a_browser
 @pytest.mark.parametrize(
     ("key", "azimuth", "axis", "sign"), [("1", 0, 0, 1), ("2", 90, 2, 1), ("3", 180, 0, -1)]
 )
@@ -475,7 +471,6 @@ def test_views(page: Page, tmp_path: Path, key: str, azimuth: int, axis: int, si
     assert np.corrcoef(drawn[:, 1], TRUTH[9, :, 1])[0, 1] > 0.96
 
 
-@in_a_browser
 def test_keys_move_in_time(page: Page, tmp_path: Path):
     opened(page, tmp_path / "x.html", poses())
     for key, shift, frame in (("ArrowRight", False, 1), ("ArrowRight", True, 11),
@@ -494,7 +489,6 @@ def test_keys_move_in_time(page: Page, tmp_path: Path):
     assert state(page)["frame"] == stopped["frame"]
 
 
-@in_a_browser
 def test_it_plays_at_its_speed_and_rests(page: Page, tmp_path: Path):
     opened(page, tmp_path / "x.html", poses(), fps=10.0)
     page.click("#play")
@@ -511,7 +505,6 @@ def test_it_plays_at_its_speed_and_rests(page: Page, tmp_path: Path):
     assert state(page)["milliseconds"] < 16  # 60 frames a second
 
 
-@in_a_browser
 def test_the_figure_turns_and_zooms(page: Page, tmp_path: Path):
     opened(page, tmp_path / "x.html", poses(), truth=TRUTH)
     x, y = page.middle("#figure")
@@ -539,7 +532,6 @@ def test_the_figure_turns_and_zooms(page: Page, tmp_path: Path):
     page.until("edmliftView.state().elevation === 90")
 
 
-@in_a_browser
 def test_curves_and_slider_move_in_time(page: Page, tmp_path: Path):
     opened(page, tmp_path / "x.html", poses())
     page.click(".plot")
@@ -558,7 +550,6 @@ def test_curves_and_slider_move_in_time(page: Page, tmp_path: Path):
     assert at - plot == pytest.approx(8 + 20 / 38 * (width - 16), abs=1)
 
 
-@in_a_browser
 def test_refused_frames_are_marked(page: Page, tmp_path: Path):
     opened(page, tmp_path / "x.html", gappy())
     link = page.evaluate("document.querySelector('#summary button').innerText")
@@ -582,7 +573,6 @@ def test_refused_frames_are_marked(page: Page, tmp_path: Path):
     assert tip == "frame 30, 1.00 s, no pose: too few joints"
 
 
-@in_a_browser
 def test_names_truth_and_tips(page: Page, tmp_path: Path):
     opened(page, tmp_path / "x.html", gappy(), truth=TRUTH)
     assert state(page)["truth"] and not state(page)["names"]
@@ -605,7 +595,6 @@ def test_names_truth_and_tips(page: Page, tmp_path: Path):
     assert cells[0] == "right wrist" and cells[4] == "not seen"
 
 
-@in_a_browser
 def test_a_finger_shows_a_joint(page: Page, tmp_path: Path):
     page.resize(390, 844, mobile=True)
     opened(page, tmp_path / "x.html", poses())
@@ -618,7 +607,6 @@ def test_a_finger_shows_a_joint(page: Page, tmp_path: Path):
     assert "left ankle" in page.evaluate("document.querySelector('#image-panel .tip').innerText")
 
 
-@in_a_browser
 def test_the_dialog_of_keys(page: Page, tmp_path: Path):
     opened(page, tmp_path / "x.html", poses())
     page.key("?")
@@ -629,7 +617,6 @@ def test_the_dialog_of_keys(page: Page, tmp_path: Path):
     assert not page.evaluate("document.querySelector('#keys').open")
 
 
-@in_a_browser
 def test_tab_reaches_everything_and_shows_where(page: Page, tmp_path: Path):
     opened(page, tmp_path / "x.html", gappy(), truth=TRUTH)
     reached = []
@@ -653,7 +640,6 @@ def test_tab_reaches_everything_and_shows_where(page: Page, tmp_path: Path):
     assert nameless == []
 
 
-@in_a_browser
 def test_data_cannot_be_markup_in_a_browser(page: Page, tmp_path: Path):
     opened(page, tmp_path / "x.html", nasty(), title=NASTY)
     assert page.evaluate("document.title") == NASTY
@@ -664,7 +650,6 @@ def test_data_cannot_be_markup_in_a_browser(page: Page, tmp_path: Path):
     assert page.evaluate("document.images.length") == 0
 
 
-@in_a_browser
 def test_the_policy_holds(page: Page, tmp_path: Path):
     """Neither another script nor an address gets past it."""
     opened(page, tmp_path / "x.html", poses())
@@ -680,7 +665,6 @@ def test_the_policy_holds(page: Page, tmp_path: Path):
     page.requests.clear()
 
 
-@in_a_browser
 @pytest.mark.parametrize("size", [(1280, 800), (844, 390), (390, 844), (320, 568)])
 def test_it_fits_the_screen(page: Page, tmp_path: Path, size: tuple[int, int]):
     page.resize(*size, mobile=size[0] < 1000)
@@ -695,7 +679,6 @@ def test_it_fits_the_screen(page: Page, tmp_path: Path, size: tuple[int, int]):
         assert page.evaluate("document.documentElement.scrollHeight") <= size[1]
 
 
-@in_a_browser
 def test_light_and_dark(page: Page, tmp_path: Path):
     opened(page, tmp_path / "x.html", poses())
     backgrounds = []
@@ -707,7 +690,6 @@ def test_light_and_dark(page: Page, tmp_path: Path):
     assert min(backgrounds[0]) > 230 and max(backgrounds[1]) < 50
 
 
-@in_a_browser
 def test_a_picture_is_behind_the_joints(page: Page, tmp_path: Path):
     pytest.importorskip("PIL.Image", reason="no Pillow")
     colours = [(200, 60, 40), (40, 60, 200)]
@@ -722,7 +704,6 @@ def test_a_picture_is_behind_the_joints(page: Page, tmp_path: Path):
 
 
 @pytest.mark.slow
-@in_a_browser
 def test_one_pose_has_no_time_line(page: Page, tmp_path: Path):
     opened(page, tmp_path / "x.html", poses(1))
     assert not page.evaluate("document.querySelector('#transport').checkVisibility()")
@@ -732,7 +713,6 @@ def test_one_pose_has_no_time_line(page: Page, tmp_path: Path):
 
 
 @pytest.mark.slow
-@in_a_browser
 def test_an_hour_opens(page: Page, tmp_path: Path):
     hour = np.arange(HOUR) % FRAMES
     status = np.where(np.arange(HOUR) % 5000 == 4999, "degenerate", "ok")
