@@ -522,6 +522,14 @@ static void a_bone_without_length_has_no_angle(void)
     for (int n = EDML_L_SHOULDER_ELEVATION; n <= EDML_L_SHOULDER_ABDUCTION; n += 2) check_angle(n, NONE);
     check_angle(EDML_R_SHOULDER_FLEXION, 0);
     check_angle(EDML_TRUNK_LEAN, 0);
+    stand();
+    pose.joint[EDML_R_ANKLE] = pose.joint[EDML_R_KNEE];
+    pose.joint[EDML_L_WRIST] = pose.joint[EDML_L_ELBOW];
+    measure(NULL);
+    check_angle(EDML_R_KNEE_FLEXION, NONE);
+    check_angle(EDML_R_HIP_FLEXION, 0);
+    check_angle(EDML_L_ELBOW_FLEXION, NONE);
+    check_angle(EDML_L_SHOULDER_FLEXION, 0);
 }
 
 /* The hips at the neck, or above each other. */

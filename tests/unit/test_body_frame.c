@@ -659,6 +659,15 @@ static void null_is_refused(void)
     TEST_ASSERT_EQUAL_INT(EDML_ERR_ARGUMENT, edml_body_frame(&image, NULL, FEWEST, NULL));
 }
 
+static void a_joint_alone_is_refused(void)
+{
+    for (int alone = 0; alone < EDML_JOINTS; alone++) {
+        someone();
+        for (int j = 0; j < EDML_JOINTS; j++) in[j].c = j == alone;
+        TEST_ASSERT_EQUAL_INT(EDML_ERR_DEGENERATE, edml_body_frame(&image, in, 1, NULL));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -684,6 +693,7 @@ int main(void)
     RUN_TEST(not_finite_is_refused_in_each_member_of_each_joint);
     RUN_TEST(fewer_than_the_fewest_joints_are_refused);
     RUN_TEST(equal_points_are_refused);
+    RUN_TEST(a_joint_alone_is_refused);
     RUN_TEST(points_on_a_line_are_refused);
     RUN_TEST(points_nearly_on_a_line_are_refused_and_a_narrow_person_is_not);
     RUN_TEST(a_flat_and_wide_person_is_framed);

@@ -615,6 +615,39 @@ static void a_joint_within_a_third_of_the_distance_was_not_seen(void)
     }
 }
 
+/* Points nearly on a line, and unrelated keypoints of any confidence. */
+static void see_nonsense(uint32_t seed)
+{
+    rng r = rng_seed(seed);
+    const float size = uniform(&r, 0, 3.9F), tangent = uniform(&r, 0, 1.9F);
+    camera = (edml_camera){1000, 1000, 500, 500};
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        pose.joint[j].x = uniform(&r, -size, size);
+        pose.joint[j].y = 0.02F * uniform(&r, -size, size);
+        pose.joint[j].z = 0.02F * uniform(&r, -size, size);
+        in[j].x = 500 + 1000 * uniform(&r, -tangent, tangent);
+        in[j].y = 500 + 1000 * uniform(&r, -tangent, tangent);
+        in[j].c = expf(uniform(&r, -7, 0));
+    }
+}
+
+/* Among them some that neither start brings before the camera, some whose equations have no solution, and some
+ * with joints far aside of where the camera looks. */
+static void nonsense_is_placed_before_the_camera_or_refused(void)
+{
+    static const uint32_t worst[] = {7836, 1123, 4154};
+    for (uint32_t n = 0; n < 303; n++) {
+        see_nonsense(n < 300 ? n : worst[n - 300]);
+        const edml_status status = edml_place(&placement, &pose, in, &camera, &work, sizeof work);
+        if (status != EDML_OK) {
+            expect(status);
+            continue;
+        }
+        TEST_ASSERT_TRUE(placement.reprojection >= 0);
+        for (int j = 0; j < EDML_JOINTS; j++) TEST_ASSERT_TRUE(placement.joint[j].z > 0);
+    }
+}
+
 /* A thousandth of all confidence, just, is too little to count; then six joints are left. */
 static void a_joint_with_a_thousandth_of_the_confidence_does_not_count(void)
 {
@@ -651,6 +684,30 @@ static void an_image_of_twelve_megapixels_has_a_focal_length(void)
         TEST_ASSERT_FLOAT_WITHIN(0.35F * 1932, 1932, found.fx);
         TEST_ASSERT_TRUE(found.cx == 2000 && found.cy == 1500);
     }
+}
+
+/* Three quarters of the largest number high: half of the focal lengths are beyond it. */
+static void an_image_as_large_as_numbers_get_has_a_focal_length(void)
+{
+#ifdef EDML_TEST_Q24
+    const float unit = 1;
+#else
+    const float unit = 4e34F;
+#endif
+    edml_camera found;
+    camera = (edml_camera){5289, 5289, 3000, 3000}; /* one of the sweep's */
+    human_pose(person);
+    root_at_mid_hip(person);
+    stand_at(0.1F, 0, 2);
+    take_pose(mid_hip(), (rotation3){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}});
+    see(in, &camera, person);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        in[j].x *= unit;
+        in[j].y *= unit;
+    }
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_place_sweep(&placement, &found, &pose, in, 6000 * unit, 6000 * unit,
+                                                    &work, sizeof work));
+    TEST_ASSERT_FLOAT_WITHIN(0.35F * 5289, 5289, found.fx / unit);
 }
 
 /* An arm of 2.5 m, which was not seen, from someone 1.6 m away who points at the camera. */
@@ -902,11 +959,13 @@ int main(void)
     RUN_TEST(a_ray_too_far_off_the_axis_is_refused_whatever_was_before);
     RUN_TEST(what_work_memory_holds_before_does_not_matter);
     RUN_TEST(a_joint_within_a_third_of_the_distance_was_not_seen);
+    RUN_TEST(nonsense_is_placed_before_the_camera_or_refused);
     RUN_TEST(a_joint_with_a_thousandth_of_the_confidence_does_not_count);
 #ifndef EDML_TEST_Q24
     RUN_TEST(confidences_whose_sum_is_no_number_are_refused);
 #endif
     RUN_TEST(an_image_of_twelve_megapixels_has_a_focal_length);
+    RUN_TEST(an_image_as_large_as_numbers_get_has_a_focal_length);
     RUN_TEST(a_joint_behind_the_camera);
     RUN_TEST(a_person_off_the_axis_is_the_one_on_the_axis_turned);
     RUN_TEST(on_the_axis_it_is_the_lift_without_a_camera);

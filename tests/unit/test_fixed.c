@@ -49,6 +49,15 @@ static void roots_around_squares(void)
     }
 }
 
+/* All that the first digit of a root depends on. */
+static void roots_of_all_upper_halves_of_a_word(void)
+{
+    for (uint64_t high = 1 << 14; high < 1 << 16; high++) {
+        check_root(high << 48);
+        check_root(((high + 1) << 48) - 1);
+    }
+}
+
 static void roots_at_the_ends_and_around_powers_of_two(void)
 {
     check_root(UINT64_MAX);
@@ -171,6 +180,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(roots_of_all_small_numbers);
     RUN_TEST(roots_around_squares);
+    RUN_TEST(roots_of_all_upper_halves_of_a_word);
     RUN_TEST(roots_at_the_ends_and_around_powers_of_two);
     RUN_TEST(roots_of_random_numbers_of_every_size);
     RUN_TEST(ratios_of_small_numbers);

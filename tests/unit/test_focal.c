@@ -214,6 +214,27 @@ static void work_memory_must_be_aligned(void)
                           edml_focal_add(&focal, &pose, in, (char *)two + 1, sizeof *two));
     TEST_ASSERT_SAME_BYTES(before, focal);
 }
+
+/* Three quarters of the largest float high: some focal lengths are beyond it. */
+static void an_image_as_large_as_floats_get_has_focal_lengths_that_are_none(void)
+{
+    const float unit = 3.2e35F;
+    rng r = rng_seed(230);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_focal_start(&focal, 1000 * unit, 800 * unit));
+    someone(&r, 450, 3, 0);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        in[j].x *= unit;
+        in[j].y *= unit;
+    }
+    add();
+    TEST_ASSERT_TRUE(focal.misfit[0] < 4 && focal.misfit[EDML_FOCAL_LENGTHS - 1] == 4);
+    for (int f = 0; f < EDML_FOCAL_LENGTHS; f++) focal.misfit[f] = f == 0 ? 0 : 1e6F;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, edml_focal_camera(&camera, &focal));
+    const edml_camera before = camera;
+    for (int f = 0; f < EDML_FOCAL_LENGTHS; f++) focal.misfit[f] = f == 11 ? 0 : 1e6F;
+    TEST_ASSERT_EQUAL_INT(EDML_ERR_CAMERA, edml_focal_camera(&camera, &focal));
+    TEST_ASSERT_SAME_BYTES(before, camera);
+}
 #endif
 
 static void expect(edml_status status)
@@ -273,6 +294,7 @@ int main(void)
     RUN_TEST(the_focal_length_is_the_mean_by_likelihood);
     RUN_TEST(more_poses_than_can_be_counted_are_taken);
     RUN_TEST(work_memory_must_be_aligned);
+    RUN_TEST(an_image_as_large_as_floats_get_has_focal_lengths_that_are_none);
 #endif
     RUN_TEST(what_has_no_place_says_nothing);
     RUN_TEST(it_needs_the_size_of_the_image);

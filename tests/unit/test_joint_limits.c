@@ -138,6 +138,9 @@ static void bones_and_torsos_without_direction_count(void)
     x[EDML_R_ANKLE] = x[EDML_R_KNEE] = x[EDML_R_HIP];
     TEST_ASSERT_EQUAL_INT(2, beyond(x));
     human_pose(x);
+    x[EDML_R_KNEE] = x[EDML_R_HIP]; /* nothing to compare the shin with */
+    TEST_ASSERT_EQUAL_INT(2, beyond(x));
+    human_pose(x);
     x[EDML_L_HIP] = x[EDML_R_HIP]; /* no pelvis: both legs */
     TEST_ASSERT_EQUAL_INT(4, beyond(x));
     equal_points(x, 0.5F, 0.25F, 1);

@@ -288,6 +288,18 @@ static void bits_beyond_the_joints_do_not_count(void)
     TEST_ASSERT_EQUAL_MEMORY(x, y, sizeof x);
 }
 
+/* Points along x, at the corners of a square in the image: neither says where the other is. */
+static void points_that_have_nothing_to_do_with_the_image_are_refused(void)
+{
+    equal_points(x, 0, 0, 0);
+    memset(&image, 0, sizeof image);
+    for (int j = 0; j < 4; j++) {
+        x[j].x = j % 2 ? 1 : -1;
+        image.at[j].u = image.at[j].v = j / 2 ? 1 : -1;
+    }
+    check_refused(ALL_SEEN);
+}
+
 /* MDS of a network's output may be that flat. */
 static void points_in_a_plane_keep_their_shape_those_on_a_line_are_refused(void)
 {
@@ -321,6 +333,7 @@ int main(void)
     RUN_TEST(a_collinear_image_is_refused);
     RUN_TEST(an_image_without_height_or_extent_is_refused);
     RUN_TEST(equal_points_and_no_joints_are_refused);
+    RUN_TEST(points_that_have_nothing_to_do_with_the_image_are_refused);
     RUN_TEST(bits_beyond_the_joints_do_not_count);
     RUN_TEST(points_in_a_plane_keep_their_shape_those_on_a_line_are_refused);
     return UNITY_END();

@@ -583,6 +583,21 @@ static void another_person_who_stays_is_followed(void)
     }
 }
 
+/* First one half of the joints is seen, then the other one, by a model that takes so few. */
+static void a_frame_that_shares_no_joint_is_of_another(void)
+{
+    edml_model bold = edml_direct_f32;
+    bold.fewest_joints = EDML_JOINTS / 2;
+    start();
+    for (uint32_t n = 0; n < 2; n++) {
+        see_turned(0);
+        for (int j = 0; j < EDML_JOINTS; j++) in[j].c = j / 7 == (int)n;
+        TEST_ASSERT_EQUAL_INT(
+            EDML_OK, edml_track_lift(&pose, &track, in, n * FRAME, NULL, &bold, &work, sizeof work));
+        TEST_ASSERT_EQUAL_UINT8(n, track.leapt);
+    }
+}
+
 /* At few frames a second, somebody who walks by is not taken for another. */
 static void a_walk_at_two_frames_a_second_is_no_leap(void)
 {
@@ -726,6 +741,18 @@ static void an_absurd_frame_is_got_over(void)
     }
 }
 
+/* Memory that was not kept well: the belief starts anew. */
+static void a_belief_that_is_no_number_is_none(void)
+{
+    start();
+    see_turned(0);
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(0));
+    track.arms_log_odds = track.legs_log_odds = track.mirror_log_odds = NAN;
+    TEST_ASSERT_EQUAL_INT(EDML_OK, run(FRAME));
+    TEST_ASSERT_TRUE(isfinite(track.arms_log_odds) && isfinite(track.legs_log_odds));
+    TEST_ASSERT_TRUE(isfinite(track.mirror_log_odds) && all_finite(pose.joint, 3 * EDML_JOINTS));
+}
+
 /* ---- In integers --------------------------------------------------------------------------------- */
 
 static edml_track_q track_q;
@@ -782,6 +809,26 @@ static void integers_track_as_floats_do(void)
         for (int j = 0; j < EDML_JOINTS; j++)
             TEST_ASSERT_FLOAT_WITHIN(0.001F, in[j].x, (float)in_q[j].x / 65536);
     }
+}
+
+/* Head and neck leap apart, faster than a rate can be: under 16384 pixels a second. */
+static void rates_in_integers_have_an_end(void)
+{
+    static edml_work_q work_q;
+    edml_pose_q pose_q;
+    edml_track_start_q(&track_q);
+    see_turned(0);
+    for (uint32_t n = 0; n < 2; n++) {
+        to_q16(in_q, in);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_track_lift_q(&pose_q, &track_q, in_q, n, NULL,
+                                                         &edml_distances_w16, &work_q, sizeof work_q));
+        in[EDML_HEAD].x += 1000;
+        in[EDML_NECK_BASE].x -= 1000;
+    }
+    /* of the end the gain of a millisecond: 4 Hz */
+    const float most = 16384 * 0.0245F;
+    TEST_ASSERT_FLOAT_WITHIN(2, most, (float)track_q.joint[EDML_HEAD].image.rate.x / 65536);
+    TEST_ASSERT_FLOAT_WITHIN(2, -most, (float)track_q.joint[EDML_NECK_BASE].image.rate.x / 65536);
 }
 
 static void settings_in_integers_have_ranges(void)
@@ -875,6 +922,7 @@ int main(void)
     RUN_TEST(the_distance_is_huge_where_nothing_is_known);
     RUN_TEST(another_person_for_a_moment_leaves_no_trace);
     RUN_TEST(another_person_who_stays_is_followed);
+    RUN_TEST(a_frame_that_shares_no_joint_is_of_another);
     RUN_TEST(a_walk_at_two_frames_a_second_is_no_leap);
     RUN_TEST(up_goes_to_the_lift);
     RUN_TEST(bad_up_leaves_no_trace);
@@ -883,9 +931,11 @@ int main(void)
     RUN_TEST(the_clock_may_run_over_its_end);
     RUN_TEST(bad_frames_leave_no_trace);
     RUN_TEST(an_absurd_frame_is_got_over);
+    RUN_TEST(a_belief_that_is_no_number_is_none);
     RUN_TEST(a_track_that_was_not_started_and_bad_settings_are_refused);
     RUN_TEST(the_largest_settings_give_poses);
     RUN_TEST(integers_track_as_floats_do);
+    RUN_TEST(rates_in_integers_have_an_end);
     RUN_TEST(settings_in_integers_have_ranges);
     return UNITY_END();
 }
