@@ -57,7 +57,11 @@ name=$(basename "$0")
 echo "$name $*${PYTEST_ADDOPTS:+ $PYTEST_ADDOPTS}" >>"$CALLS"
 case "$name $*" in
 "cmake -S"*) mkdir -p build/check/Testing/Temporary ;;
-"ctest "*) echo "SKIPPED [1] x.py:1: no $#" >Testing/Temporary/LastTest.log; test "$FAILS" = no ;;
+"ctest "*)
+    echo "SKIPPED [1] x.py:1: no $#" >Testing/Temporary/LastTest.log
+    test "$FAILS" != tests
+    ;;
+"python tools/run.py"*) test "$FAILS" != branches ;;
 esac
 """
 
@@ -100,7 +104,10 @@ def test_check_runs_all_tests_and_says_what_was_skipped_and_how_long_it_took(che
         "ctest --output-on-failure --parallel 2 --label-regex python",
     ]
     assert "cmake --build build/check" in calls
-    assert calls[-1] == "cmake --build build/check --target coverage"
+    assert calls[-2:] == [
+        "cmake --build build/check --target coverage",
+        "python tools/run.py reports.branches build/check/tests/coverage.json",
+    ]
     assert "Skipped:\n  [1] x.py:1: no 5\n" in done.stdout
     times = done.stdout.partition("\nTimes:\n")[2].splitlines()
     assert [line.split(maxsplit=2)[2] for line in times] == [
@@ -108,8 +115,9 @@ def test_check_runs_all_tests_and_says_what_was_skipped_and_how_long_it_took(che
     ]  # fmt: skip
 
 
-def test_check_goes_on_after_a_failure_and_fails_at_the_end(check) -> None:
-    done, calls = check(fails="yes")
+@pytest.mark.parametrize("part", ["tests", "branches"])
+def test_check_goes_on_after_a_failure_and_fails_at_the_end(check, part: str) -> None:
+    done, calls = check(fails=part)
     assert done.returncode == 1 and "coverage" in calls[-1] and " s  in all" in done.stdout
 
 
