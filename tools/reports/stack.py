@@ -186,6 +186,9 @@ def read_graph(target: Target, folder: Path) -> Graph:
         known = graph.setdefault(name, function)
         if known.frame == 0:  # a naked function's, which the compiler does not know
             known.frame = function.frame
+    for name in {call for function in graph.values() for call in function.calls} - graph.keys():
+        if simple_name(name) in machine:  # the compiler folded it into an equal function
+            graph[name] = machine[simple_name(name)]
     follow_pointers(graph)
     return graph
 
