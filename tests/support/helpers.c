@@ -168,6 +168,28 @@ void photograph(edml_keypoint in[EDML_JOINTS], const edml_point x[EDML_JOINTS])
     }
 }
 
+void add_noise(rng *r, edml_keypoint in[EDML_JOINTS], float pixels)
+{
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        in[j].x += pixels * gauss(r);
+        in[j].y += pixels * gauss(r);
+    }
+}
+
+double size_in_image(const edml_keypoint in[EDML_JOINTS])
+{
+    double x = 0, y = 0, size = 0, count = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) count += in[j].c > 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        if (!(in[j].c > 0)) continue;
+        x += (double)in[j].x / count;
+        y += (double)in[j].y / count;
+    }
+    for (int j = 0; j < EDML_JOINTS; j++)
+        if (in[j].c > 0) size += (fabs((double)in[j].x - x) + fabs((double)in[j].y - y)) / count;
+    return size;
+}
+
 void draw_image(edml_image *image, const edml_point x[EDML_JOINTS], uint16_t seen)
 {
     memset(image, 0, sizeof *image);

@@ -53,6 +53,12 @@ void noisy_distances(rng *r, float d[EDML_PAIRS], const edml_point x[EDML_JOINTS
 /* A scaled-orthographic photograph, 200 pixels a metre, all joints seen. */
 void photograph(edml_keypoint in[EDML_JOINTS], const edml_point x[EDML_JOINTS]);
 
+/* Errors of so many pixels (a standard deviation) in a photograph. */
+void add_noise(rng *r, edml_keypoint in[EDML_JOINTS], float pixels);
+
+/* Mean |x| + |y| of the seen joints from their middle, in pixels. */
+double size_in_image(const edml_keypoint in[EDML_JOINTS]);
+
 /* The same as an image that is not turned, 0.85 m being 1; (0, 0, any depth) is at its origin. */
 void draw_image(edml_image *image, const edml_point x[EDML_JOINTS], uint16_t seen);
 

@@ -187,7 +187,7 @@ static void flat_people_are_seen_where_they_were(void)
 
 /* ---- Noise ------------------------------------------------------------------------------------- */
 
-static void add_noise(rng *r, float pixels)
+static void add_noise_and_confidences(rng *r, float pixels)
 {
     for (int j = 0; j < EDML_JOINTS; j++) {
         in[j].x += pixels * gauss(r);
@@ -221,7 +221,7 @@ static void no_place_nearby_is_better(void)
         someone_somewhere(&r, 3, 6);
         camera.fy = camera.fx;
         see(in, &camera, person);
-        add_noise(&r, 5);
+        add_noise_and_confidences(&r, 5);
         run();
         const double least = reprojection(placement.rotation, placement.translation);
         TEST_ASSERT_ERROR_UP_TO(PLACE_NOISY_PIXELS, (float)least - placement.reprojection);
@@ -249,7 +249,7 @@ static void the_axes_of_the_pose_do_not_matter(void)
     rng r = rng_seed(76);
     for (int n = 0; n < 100; n++) {
         someone_somewhere(&r, 3, 6);
-        add_noise(&r, 5);
+        add_noise_and_confidences(&r, 5);
         run();
         const edml_placement first = placement;
         rotate_points(pose.joint, random_rotation(&r), pose.joint);
@@ -263,7 +263,7 @@ static void joints_that_were_not_seen_do_not_matter(void)
 {
     rng r = rng_seed(77);
     someone_somewhere(&r, 3, 6);
-    add_noise(&r, 5);
+    add_noise_and_confidences(&r, 5);
     in[EDML_L_WRIST].c = in[EDML_R_KNEE].c = 0;
     run();
     const edml_placement first = placement;
@@ -335,7 +335,7 @@ static void a_rotation_of_a_flat_person_is_one(void)
             for (int distance = 5; distance <= 40; distance += 5) {
                 turn = random_rotation(&r);
                 someone_flat(yaw, pitch, distance);
-                if (pitch % 10 == 0) add_noise(&r, 1);
+                if (pitch % 10 == 0) add_noise_and_confidences(&r, 1);
                 if (edml_place(&placement, &pose, in, &camera, &work, sizeof work) != EDML_OK) continue;
                 placed++;
                 worst = worse(worst, rotation_defect());
@@ -356,7 +356,7 @@ static void the_unit_of_the_image_does_not_matter(void)
         edml_camera other;
         edml_placement expected, found;
         someone_somewhere(&r, 3, 6);
-        add_noise(&r, 5);
+        add_noise_and_confidences(&r, 5);
         TEST_ASSERT_EQUAL_INT(EDML_OK, edml_place(&expected, &pose, in, &camera, &work, sizeof work));
         const edml_camera scaled = {ldexpf(camera.fx, exponent), ldexpf(camera.fy, exponent),
                                     ldexpf(camera.cx, exponent), ldexpf(camera.cy, exponent)};
@@ -381,7 +381,7 @@ static void a_rotation_of_anybody_is_one(void)
     float worst = 0;
     for (int n = 0; n < 3000; n++) {
         someone_somewhere(&r, n % 2 ? 1.6F : 8, n % 2 ? 6 : 80);
-        if (n % 3 == 0) add_noise(&r, uniform(&r, 1, 30));
+        if (n % 3 == 0) add_noise_and_confidences(&r, uniform(&r, 1, 30));
         if (n % 5 == 0) random_points(&r, pose.joint, uniform(&r, 0.1F, 4));
         if (edml_place(&placement, &pose, in, &camera, &work, sizeof work) != EDML_OK) continue;
         worst = worse(worst, rotation_defect());

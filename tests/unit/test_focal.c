@@ -112,15 +112,7 @@ static void one_bad_pose_does_not_decide(void)
  * where it is larger. */
 static void errors_of(double error[EDML_FOCAL_LENGTHS])
 {
-    double x = 0, y = 0, size = 0, count = 0;
-    for (int j = 0; j < EDML_JOINTS; j++) count += in[j].c > 0;
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        if (!(in[j].c > 0)) continue;
-        x += (double)in[j].x / count;
-        y += (double)in[j].y / count;
-    }
-    for (int j = 0; j < EDML_JOINTS; j++)
-        if (in[j].c > 0) size += (fabs((double)in[j].x - x) + fabs((double)in[j].y - y)) / count;
+    const double size = size_in_image(in);
     for (int n = 0; n < EDML_FOCAL_LENGTHS; n++) {
         edml_placement placed;
         const float f = 800 * 0.5F * powf(8, (float)n / 11);

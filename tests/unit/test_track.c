@@ -32,35 +32,12 @@ static void see(double degrees)
     photograph(in, x);
 }
 
-static void add_noise(rng *r, float pixels)
-{
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        in[j].x += pixels * gauss(r);
-        in[j].y += pixels * gauss(r);
-    }
-}
-
 static void shift(float x, float y)
 {
     for (int j = 0; j < EDML_JOINTS; j++) {
         in[j].x += x;
         in[j].y += y;
     }
-}
-
-/* Mean |x| + |y| of the seen joints from their middle. */
-static double size_of(const edml_keypoint of[EDML_JOINTS])
-{
-    double x = 0, y = 0, size = 0, count = 0;
-    for (int j = 0; j < EDML_JOINTS; j++) count += of[j].c > 0;
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        if (!(of[j].c > 0)) continue;
-        x += (double)of[j].x / count;
-        y += (double)of[j].y / count;
-    }
-    for (int j = 0; j < EDML_JOINTS; j++)
-        if (of[j].c > 0) size += (fabs((double)of[j].x - x) + fabs((double)of[j].y - y)) / count;
-    return size;
 }
 
 static double at_most(double limit, double value)
@@ -78,7 +55,7 @@ static float averaged(float before, double value, double seconds)
 
 static void check_jitter_and_image_step(double seconds)
 {
-    const double size = size_of(in);
+    const double size = size_in_image(in);
     double jitter = 0, steps = 0;
     int count = 0;
     for (int j = 0; j < EDML_JOINTS; j++) {
@@ -124,7 +101,7 @@ static void jitter_and_steps_are_means_over_a_fifth_of_a_second(void)
     edml_track_start(&track);
     for (int n = 0; n < 46; n++) {
         see(0.5 * n);
-        add_noise(&r, n < 30 ? 3 : 0);
+        add_noise(&r, in, n < 30 ? 3 : 0);
         if (n % 3 == 0) in[n / 3 % 5].c = in[EDML_L_KNEE].c = 0;
         if (n == 45) in[EDML_L_WRIST].x += 4000; /* away from the right one */
         if (n == 44) in[EDML_R_WRIST].y -= 4000;
@@ -170,7 +147,7 @@ static void check_filtered(edml_moving before, edml_moving after, edml_point see
 
 static void check_filters(uint32_t ms)
 {
-    const double size = size_of(in), seconds = ms / 1000.0;
+    const double size = size_in_image(in), seconds = ms / 1000.0;
     const double full = (double)track.noise_full;
     const double share = full > 0 ? fmin((double)track.jitter / (double)track.image_step, 4) : 0;
     const double part = full > 0 ? share / full : 1, motion = part < 1 ? 1 - part * part * part * part : 0;
@@ -196,7 +173,7 @@ static void what_is_not_noise_passes_the_filters(void)
         track.noise_full = full[k];
         for (uint32_t n = 0; n < 50; n++) {
             see(3.0 * n);
-            add_noise(&r, n % 20 < 10 ? 2 : 0.2F);
+            add_noise(&r, in, n % 20 < 10 ? 2 : 0.2F);
             if (n % 10 == 5) in[EDML_L_ANKLE].c = in[EDML_HEAD].c = 0;
             if (n == 42) track.jitter = 20 * track.image_step; /* noisier than can be */
             run(40 * n);
@@ -266,7 +243,7 @@ static void a_start_has_no_past(void)
         check_fresh();
         for (uint32_t k = 1; k < 20; k++) {
             see(3.0 * k);
-            add_noise(&r, 3);
+            add_noise(&r, in, 3);
             run(7 + 33 * k);
         }
         see(9);
@@ -297,7 +274,7 @@ static void more_time_allows_more_distance(void)
         const double most = 1 + 2.0 * ms[n / 2] / 1000;
         stand(5);
         const int other = n % 2;
-        shift((float)(size_of(in) * (other ? most + 0.02 : most - 0.02)), 0);
+        shift((float)(size_in_image(in) * (other ? most + 0.02 : most - 0.02)), 0);
         run(33 * 4 + ms[n / 2]);
         TEST_ASSERT_EQUAL_UINT8(other, track.leapt);
     }
@@ -348,7 +325,7 @@ static void the_distance_is_the_median_of_all_joints(void)
     for (int n = 0; n < 200; n++) {
         double off[EDML_JOINTS];
         stand(3);
-        const double size = size_of(in);
+        const double size = size_in_image(in);
         for (int j = 0; j < EDML_JOINTS; j++) {
             off[j] = (double)uniform(&r, 0, 1);
             in[j].y += (float)off[j];
@@ -361,7 +338,7 @@ static void the_distance_is_the_median_of_all_joints(void)
             int less = 0;
             for (int k = 0; k < count; k++) less += off[k] < off[j];
             if (less != count / 2) continue;
-            const double least = fmin(size, size_of(in)); /* `was` has all joints */
+            const double least = fmin(size, size_in_image(in)); /* `was` has all joints */
             TEST_ASSERT_FLOAT_WITHIN(1e-5F, (float)(off[j] / least), edml_track_distance(&track, in, 99));
         }
     }
@@ -422,7 +399,7 @@ static void see_narrow(double dx, double dy, double size)
 
 static float sides_log_odds(int right, double seconds)
 {
-    const double size = size_of(in);
+    const double size = size_in_image(in);
     double far = 0;
     for (int r = right; r < right + 3; r++) {
         const double x = (double)(in[r].x - in[r + 3].x) / size, y = (double)(in[r].y - in[r + 3].y) / size;
@@ -504,7 +481,7 @@ static void held_joints_move_with_the_mean_of_the_others(void)
     for (uint32_t n = 0; n < 30; n++) {
         see(1.0 * n);
         shift(2.0F * (float)n, -3.0F * (float)n);
-        add_noise(&r, 1);
+        add_noise(&r, in, 1);
         const int missing = n % 6 > 3;
         if (missing) in[EDML_HEAD].c = in[EDML_L_ANKLE].c = in[EDML_R_WRIST].c = 0;
         run(33 * n);

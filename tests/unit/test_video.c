@@ -43,14 +43,6 @@ static void see_turned(int steps)
     photograph(in, turned);
 }
 
-static void add_noise(rng *r, float pixels)
-{
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        in[j].x += pixels * gauss(r);
-        in[j].y += pixels * gauss(r);
-    }
-}
-
 static void swap_detected(int right)
 {
     for (int r = right; r < right + 3; r++) {
@@ -91,7 +83,7 @@ static void the_hips_stay_opposite(void)
     start();
     for (int n = 0; n < 60; n++) {
         see_turned(n);
-        add_noise(&r, 5);
+        add_noise(&r, in, 5);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
         const edml_point a = pose.joint[EDML_R_HIP], b = pose.joint[EDML_L_HIP];
         TEST_ASSERT_ERROR_UP_TO(ROUNDING, fabsf(a.x + b.x) + fabsf(a.y + b.y) + fabsf(a.z + b.z));
@@ -104,7 +96,7 @@ static void the_image_may_be_of_any_size(void)
     start();
     for (int n = 0; n < 60; n++) {
         see_turned(n);
-        add_noise(&r, 5);
+        add_noise(&r, in, 5);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
         for (int j = 0; j < EDML_JOINTS; j++) {
             in[j].x *= 8;
@@ -137,7 +129,7 @@ static void noise_is_more_than_halved(void)
     start();
     for (int n = 0; n < 120; n++) {
         see_turned(n);
-        add_noise(&r, 5);
+        add_noise(&r, in, 5);
         memmove(alone, alone + 1, 2 * sizeof *alone);
         memmove(steady, steady + 1, 2 * sizeof *steady);
         TEST_ASSERT_EQUAL_INT(EDML_OK,
@@ -165,21 +157,6 @@ static void filter(moving *joint, double seen, double seconds, double size)
     joint->at += turn * cutoff / (1 + turn * cutoff) * (seen - joint->at);
 }
 
-/* Mean |x| + |y| of the seen joints from their middle. */
-static double size_in_image(void)
-{
-    double x = 0, y = 0, size = 0, count = 0;
-    for (int j = 0; j < EDML_JOINTS; j++) count += in[j].c > 0;
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        if (!(in[j].c > 0)) continue;
-        x += (double)in[j].x / count;
-        y += (double)in[j].y / count;
-    }
-    for (int j = 0; j < EDML_JOINTS; j++)
-        if (in[j].c > 0) size += (fabs((double)in[j].x - x) + fabs((double)in[j].y - y)) / count;
-    return size;
-}
-
 /* Everything moves along the image; in a frame a wrist is missing, and moves as the rest does. */
 static void the_filter_is_the_papers(void)
 {
@@ -196,11 +173,11 @@ static void the_filter_is_the_papers(void)
         see_turned(0);
         for (int j = 0; j < EDML_JOINTS; j++) in[j].x += (float)(n * n);
         if (n == 15) in[EDML_L_WRIST].c = 0;
-        filter(&rest, n * n, seconds, size_in_image());
+        filter(&rest, n * n, seconds, size_in_image(in));
         if (n == 15)
             wrist.at += rest.at - was;
         else
-            filter(&wrist, n * n, seconds + missed, size_in_image());
+            filter(&wrist, n * n, seconds + missed, size_in_image(in));
         missed = n == 15 ? seconds : 0;
         time += 40 + (uint32_t)n % 3;
         TEST_ASSERT_EQUAL_INT(EDML_OK, run(time));
@@ -221,7 +198,7 @@ static double lag_of(float noise, float pixels)
     track.noise_full = noise;
     for (int n = 0; n < 60; n++) {
         see_turned(n);
-        add_noise(&r, pixels);
+        add_noise(&r, in, pixels);
         TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, NULL, &edml_direct_f32, &work, sizeof work));
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
         for (int j = 0; j < EDML_JOINTS; j++)
@@ -264,7 +241,7 @@ static double trembling(float pixels, double *worst)
     *worst = 0;
     for (int n = 0; n < FRAMES; n++) {
         see_turned(0);
-        add_noise(&r, pixels);
+        add_noise(&r, in, pixels);
         before = pose;
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
         for (int j = 0; j < EDML_JOINTS && n >= SETTLED; j++) {
@@ -295,7 +272,7 @@ static void without_filters_frames_are_as_lifted(void)
     track.smooth_image.cutoff = track.smooth_space.cutoff = HUGE_VALF;
     for (int n = 0; n < 30; n++) {
         see_turned(n);
-        add_noise(&r, 2);
+        add_noise(&r, in, 2);
         TEST_ASSERT_EQUAL_INT(EDML_OK, edml_lift(&again, in, NULL, &edml_direct_f32, &work, sizeof work));
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
         TEST_ASSERT_ERROR_UP_TO(0.0001F, worst_joint_error(again.joint, pose.joint));
@@ -463,7 +440,7 @@ static void the_distance_is_in_body_sizes(void)
 {
     stand(5);
     const edml_track kept = track;
-    const float size = (float)size_in_image();
+    const float size = (float)size_in_image(in);
     TEST_ASSERT_TRUE(edml_track_distance(&track, in, 5 * FRAME) == 0);
     shift(size);
     TEST_ASSERT_FLOAT_WITHIN(0.001F, 1, edml_track_distance(&track, in, 5 * FRAME));
@@ -483,7 +460,7 @@ static void the_distance_is_in_body_sizes(void)
 static void the_distance_forgives_what_detectors_do(void)
 {
     stand(5);
-    const float size = (float)size_in_image();
+    const float size = (float)size_in_image(in);
     swap_detected(EDML_R_HIP);
     swap_detected(EDML_R_SHOULDER);
     TEST_ASSERT_TRUE(edml_track_distance(&track, in, 5 * FRAME) == 0);
@@ -498,7 +475,7 @@ static void the_distance_is_from_where_joints_are_expected(void)
 {
     start();
     see_turned(0);
-    const float size = (float)size_in_image();
+    const float size = (float)size_in_image(in);
     for (uint32_t n = 0; n < 30; n++) {
         const float near = edml_track_distance(&track, in, n * FRAME);
         TEST_ASSERT_TRUE(n <= 20 || near < 0.03F);
@@ -538,7 +515,7 @@ static void see_one_of_two(int n, int first, int end)
 {
     see_turned(n);
     if (n < first || n >= end) return;
-    const float size = (float)size_in_image();
+    const float size = (float)size_in_image(in);
     see_turned(n + 80);
     shift(1.5F * size);
 }
@@ -603,7 +580,7 @@ static void a_walk_at_two_frames_a_second_is_no_leap(void)
 {
     start();
     see_turned(0);
-    const float size = (float)size_in_image();
+    const float size = (float)size_in_image(in);
     for (uint32_t n = 0; n < 10; n++) {
         TEST_ASSERT_EQUAL_INT(EDML_OK, run(n * 500));
         TEST_ASSERT_EQUAL_UINT8(0, track.leapt);
@@ -686,7 +663,7 @@ static void the_clock_may_run_over_its_end(void)
     start();
     for (uint32_t n = 0; n < 30; n++) {
         see_turned((int)n);
-        add_noise(&r, 3);
+        add_noise(&r, in, 3);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run(n * FRAME));
         TEST_ASSERT_EQUAL_INT(EDML_OK, run_other(n * FRAME - 400));
         TEST_ASSERT_EQUAL_MEMORY(&again, &pose, sizeof pose);
@@ -702,7 +679,7 @@ static void bad_frames_leave_no_trace(void)
     start();
     for (int n = 0; n < 30; n++) {
         see_turned(n);
-        add_noise(&r, 3);
+        add_noise(&r, in, 3);
         memcpy(whole, in, sizeof in);
         TEST_ASSERT_EQUAL_INT(EDML_OK, run((uint32_t)n * FRAME));
         TEST_ASSERT_EQUAL_INT(EDML_OK, run_other((uint32_t)n * FRAME));
@@ -763,7 +740,7 @@ static void see_much(rng *r, int n)
 {
     see_one_of_two(n, 40, 42);
     if (n >= 60) shift(400);
-    add_noise(r, n % 40 < 20 ? 3 : 0);
+    add_noise(r, in, n % 40 < 20 ? 3 : 0);
     if (n >= 20 && n < 24) swap_detected(EDML_R_HIP);
     if (n >= 22 && n < 25) swap_detected(EDML_R_SHOULDER);
     if (n >= 30 && n < 45) in[EDML_L_WRIST].c = in[EDML_R_ANKLE].c = 0;
@@ -889,7 +866,7 @@ static void the_largest_settings_give_poses(void)
         track.smooth_image.cutoff = track.smooth_space.cutoff = n == 2 ? FLT_MIN : 1;
         for (int frame = 0; frame < 30; frame++) {
             see_turned(frame / 10);
-            if (frame % 2) add_noise(&r, 3);
+            if (frame % 2) add_noise(&r, in, 3);
             TEST_ASSERT_EQUAL_INT(EDML_OK, run(33 * (uint32_t)frame));
             TEST_ASSERT_TRUE(all_finite(pose.joint, 3 * EDML_JOINTS));
             for (int j = 0; j < EDML_JOINTS; j++) TEST_ASSERT_TRUE(all_finite(&track.joint[j], 14));
