@@ -10,7 +10,7 @@ import pytest
 from builds import need, need_cross_compiler
 
 from reports import bits, markdown
-from reports.size import Disagreement
+from reports.command import Disagreement
 from reports.targets import (
     INCLUDES,
     ROOT,

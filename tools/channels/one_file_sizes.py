@@ -6,19 +6,18 @@
 Flash is what a program links that does nothing but lift, code and weights, by gcc -Os.
 """
 
-import argparse
 import re
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from channels.amalgamation import amalgamate, choose
 from data.paths import DOCS
-from reports import markdown
+from reports.command import Table, run_report
 from reports.size import BENCH, LEVEL, Row, to_table
-from reports.targets import TARGETS, Target, ToolError, build, compile_library, run
+from reports.targets import TARGETS, Target, build, compile_library, run
 
 CORE = "cortex-m4f"
 CHOICES = [
@@ -79,21 +78,15 @@ def size_table(sizes: Sequence[Size]) -> str:
     return to_table(HEAD, rows)
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+def tables() -> Iterator[Table]:
+    """The page's table."""
+    yield Table(
+        DOCS / "one-file.md", "one_file", size_table([measure(*choice) for choice in CHOICES])
     )
-    parser.add_argument("--update", action="store_true")
-    args = parser.parse_args()
-    try:
-        table = size_table([measure(model, parts) for model, parts in CHOICES])
-        print(table)
-        if args.update:
-            markdown.write(DOCS / "one-file.md", "one_file", table)
-    except (ToolError, OSError, ValueError) as error:
-        print(f"one_file_sizes: {error}", file=sys.stderr)
-        return 1
-    return 0
+
+
+def main() -> int:
+    return run_report("one_file_sizes", __doc__, tables)
 
 
 if __name__ == "__main__":

@@ -6,17 +6,17 @@
 They are built with what stands for these systems (tests/channels) and run in QEMU.
 """
 
-import argparse
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from channels import esp_idf, zephyr
 from channels.stand_ins import Project
 from data.paths import DOCS
 from reports import markdown
+from reports.command import Table, run_report
 from reports.cycles import CYCLES
-from reports.targets import ToolError
 
 PAGES = {"esp_idf": DOCS / "esp-idf.md", "zephyr": DOCS / "zephyr.md"}
 COLUMNS = ["code, bytes", "weights, bytes", "stack taken, bytes", "instructions a lift", "ms"]
@@ -51,23 +51,16 @@ def build_projects(folder: Path) -> dict[str, list[Project]]:
     }
 
 
+def tables() -> Iterator[Table]:
+    """Those of both pages."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, projects in build_projects(Path(folder)).items():
+            for mark, text in texts(name, projects).items():
+                yield Table(PAGES[name], mark, text)
+
+
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--update", action="store_true")
-    args = parser.parse_args()
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            for name, projects in build_projects(Path(folder)).items():
-                for mark, text in texts(name, projects).items():
-                    print(text)
-                    if args.update:
-                        markdown.write(PAGES[name], mark, text)
-    except (ToolError, OSError, ValueError) as error:
-        print(f"rtos: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return run_report("rtos", __doc__, tables)
 
 
 if __name__ == "__main__":

@@ -8,13 +8,12 @@ A finding is an error, unless its check is turned off in .clang-tidy, which has 
 file explains it.  What it explains is tried: MemorySanitizer runs the library over hard input.
 """
 
-import argparse
 import re
 import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
@@ -22,7 +21,7 @@ from typing import NamedTuple
 from data.paths import DOCS, ROOT
 from reports import markdown
 from reports.bits import EXPECTED, PROGRAM
-from reports.size import Disagreement
+from reports.command import Disagreement, Table, run_report
 from reports.targets import (
     INCLUDES,
     SMALL_SOURCES,
@@ -171,8 +170,8 @@ def refuse(findings: Iterable[Finding]) -> None:
         raise Disagreement("findings without a reason:\n" + "\n".join(lines))
 
 
-def tables() -> dict[str, str]:
-    """The page's, by name: what is turned off, and what is explained."""
+def tables() -> Iterator[Table]:
+    """The page's: what is turned off, and what is explained."""
     counts = count_turned_off()
     off = {name: [counts[name], reason] for name, reason in turned_off().items()}
     analysed = count_analysed()
@@ -181,31 +180,12 @@ def tables() -> dict[str, str]:
         f"{check}, {folder}": [*(of[check, folder] for of in analysed.values()), reason]
         for (check, folder), reason in EXPLAINED.items()
     }
-    return {
-        "tidy": markdown.table("turned off", ["would speak", "because"], off),
-        "analyser": markdown.table("finding", [*analysed, "because"], explained),
-    }
+    yield Table(PAGE, "tidy", markdown.table("turned off", ["would speak", "because"], off))
+    yield Table(PAGE, "analyser", markdown.table("finding", [*analysed, "because"], explained))
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument("--update", action="store_true")
-    what.add_argument("--check", action="store_true")
-    args = parser.parse_args()
-    try:
-        for name, table in tables().items():
-            print(table)
-            if args.check and markdown.read(PAGE, name) != table:
-                raise Disagreement(f"{PAGE.name}, {name}: not what was found")
-            if args.update:
-                markdown.write(PAGE, name, table)
-    except (Disagreement, ToolError, OSError, ValueError) as error:
-        print(f"analysis: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return run_report("analysis", __doc__, tables)
 
 
 if __name__ == "__main__":

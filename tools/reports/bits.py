@@ -21,7 +21,7 @@ from pathlib import Path
 
 from data.paths import DOCS, ROOT
 from reports import markdown
-from reports.size import Disagreement
+from reports.command import Disagreement
 from reports.targets import (
     INCLUDES,
     SMALL_SOURCES,

@@ -7,19 +7,19 @@
 A rule that is broken and has no reason here is an error.
 """
 
-import argparse
 import re
 import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 from data.paths import DOCS, LIB, ROOT
 from reports import markdown
-from reports.size import Disagreement
+from reports.command import Disagreement, Table, run_report
 from reports.targets import INCLUDES, ToolError, run
 
 PAGE = DOCS / "misra.md"
@@ -193,25 +193,14 @@ def check(counts: Counts, folders: Sequence[str] = FOLDERS) -> None:
                 raise Disagreement(f"rule {rule} in {folder}: written {said}, found {found}")
 
 
+def tables() -> Iterator[Table]:
+    """The page's table."""
+    counts = count(SOURCES)
+    yield Table(PAGE, "misra", misra_table(counts), partial(check, counts))
+
+
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument("--update", action="store_true")
-    what.add_argument("--check", action="store_true")
-    args = parser.parse_args()
-    try:
-        counts = count(SOURCES)
-        print(misra_table(counts))
-        if args.check:
-            check(counts)
-        if args.update:
-            markdown.write(PAGE, "misra", misra_table(counts))
-    except (Disagreement, ToolError, OSError, ValueError) as error:
-        print(f"misra: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return run_report("misra", __doc__, tables)
 
 
 if __name__ == "__main__":

@@ -7,29 +7,21 @@
 Measured as reports.size measures a lift, with `direct`.
 """
 
-import argparse
 import sys
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from data.paths import DOCS
 from reports import markdown
-from reports.size import (
-    BENCH,
-    LEVEL,
-    SLACK,
-    Disagreement,
-    Row,
-    flash_sizes,
-    options_of,
-    to_table,
-)
+from reports.command import Disagreement, Table, run_report
+from reports.size import BENCH, LEVEL, SLACK, Row, flash_sizes, options_of, to_table
 from reports.targets import (
     SMALL_SOURCES,
     TARGETS,
     Target,
-    ToolError,
     build,
     compile_library,
     count,
@@ -117,26 +109,15 @@ def check(part: str, costs: list[PartCost]) -> None:
             raise Disagreement(f"{PARTS[part]}, {cost.core}: written {row}, measured {cost}")
 
 
+def tables() -> Iterator[Table]:
+    """A table of each part, on its page."""
+    for part, page in PARTS.items():
+        costs = measure(part)
+        yield Table(DOCS / page, f"{part}_costs", part_table(costs), partial(check, part, costs))
+
+
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument("--update", action="store_true")
-    what.add_argument("--check", action="store_true")
-    args = parser.parse_args()
-    try:
-        for part, page in PARTS.items():
-            costs = measure(part)
-            print(part_table(costs))
-            if args.check:
-                check(part, costs)
-            if args.update:
-                markdown.write(DOCS / page, f"{part}_costs", part_table(costs))
-    except (Disagreement, ToolError, OSError, ValueError) as error:
-        print(f"parts: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return run_report("parts", __doc__, tables)
 
 
 if __name__ == "__main__":

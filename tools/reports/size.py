@@ -26,6 +26,7 @@ import numpy as np
 from data.paths import DOCS, GEN, ROOT
 from model.manifest import read_manifest
 from reports import markdown
+from reports.command import Disagreement
 from reports.targets import (
     SMALL_SOURCES,
     SOURCES,
@@ -279,10 +280,6 @@ def floor_table(costs: list[Cost]) -> str:
             rows.append([core, variant, model, products, floor, network, f"{network / floor:.2f}"])
     heads = ["core", "variant", "model", "multiplications", "floor", "network", "times the floor"]
     return to_table(heads, rows)
-
-
-class Disagreement(Exception):
-    """Figures that are not what was measured."""
 
 
 def compare(written: list[Cost], measured: list[Cost]) -> None:

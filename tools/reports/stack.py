@@ -10,17 +10,18 @@ the deepest chain of calls, whether or not an input takes it; painting (reports.
 some took.
 """
 
-import argparse
 import re
 import sys
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from data.paths import DOCS, ROOT
 from reports import markdown
-from reports.size import LEVEL, Disagreement, Row, to_table
+from reports.command import Disagreement, Table, run_report
+from reports.size import LEVEL, Row, to_table
 from reports.targets import (
     SMALL_SOURCES,
     TARGETS,
@@ -267,25 +268,14 @@ def check(costs: dict[str, dict[str, int]]) -> None:
                 raise Disagreement(f"{core}, {name}: not written, is {figure}")
 
 
+def tables() -> Iterator[Table]:
+    """The page's table."""
+    costs = measure()
+    yield Table(PAGE, "stack", stack_table(costs), partial(check, costs))
+
+
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument("--update", action="store_true")
-    what.add_argument("--check", action="store_true")
-    args = parser.parse_args()
-    try:
-        costs = measure()
-        print(stack_table(costs))
-        if args.check:
-            check(costs)
-        if args.update:
-            markdown.write(PAGE, "stack", stack_table(costs))
-    except (Disagreement, ToolError, OSError, ValueError) as error:
-        print(f"stack: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return run_report("stack", __doc__, tables)
 
 
 if __name__ == "__main__":

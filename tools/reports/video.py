@@ -7,22 +7,22 @@
 Compiled and counted as by reports.size.
 """
 
-import argparse
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass
+from functools import partial
 from pathlib import Path
 
 from data.paths import DOCS
 from reports import markdown
+from reports.command import Disagreement, Table, run_report
 from reports.parts import linked_code
-from reports.size import BENCH, LEVEL, SLACK, Disagreement, options_of, to_table
+from reports.size import BENCH, LEVEL, SLACK, options_of, to_table
 from reports.targets import (
     SMALL_SOURCES,
     TARGETS,
     Target,
-    ToolError,
     build,
     compile_library,
     count,
@@ -91,25 +91,14 @@ def check(costs: list[Cost]) -> None:
                 raise Disagreement(f"{cost.core}, {HEAD[n]}: written {old}, measured {new}")
 
 
+def tables() -> Iterator[Table]:
+    """The page's table."""
+    costs = [measure(TARGETS[core], variant) for core, variant in CORES.items()]
+    yield Table(PAGE, NAME, table(costs), partial(check, costs))
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    action = parser.add_mutually_exclusive_group()
-    action.add_argument("--update", action="store_true", help="write the table of docs/video.md")
-    action.add_argument("--check", action="store_true", help="compare it")
-    options = parser.parse_args(arguments)
-    try:
-        costs = [measure(TARGETS[core], variant) for core, variant in CORES.items()]
-        print(table(costs))
-        if options.update:
-            markdown.write(PAGE, NAME, table(costs))
-        if options.check:
-            check(costs)
-    except (ToolError, Disagreement) as error:
-        print(f"reports.video: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return run_report("reports.video", __doc__, tables, arguments)
 
 
 if __name__ == "__main__":

@@ -12,16 +12,15 @@ goes on as often as its source says at most (reports/loops.py).  A linear progra
 instructions that these allow, whether or not an input takes that way.
 """
 
-import argparse
 import dataclasses
 import itertools
 import re
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -29,9 +28,10 @@ from scipy.optimize import linprog
 from scipy.sparse import coo_array
 
 from reports import markdown
+from reports.command import Disagreement, Table, run_report
 from reports.flow import CALL, JUMP, MAYBE, Block, Function, Instruction, Loop, Program, reachable
 from reports.loops import COPIES, LEAVES, SIBLINGS, Facts, facts_of, usual_facts
-from reports.size import BENCH, COSTS, LEVEL, SLACK, Disagreement, options_of, parse
+from reports.size import BENCH, COSTS, LEVEL, SLACK, options_of, parse
 from reports.stack import THROUGH_POINTERS
 from reports.targets import SMALL_SOURCES, TARGETS, ToolError, build, compile_library, count
 
@@ -347,25 +347,14 @@ def check(rows: Sequence[Worst]) -> None:
             raise Disagreement(f"written {old}, found {row}")
 
 
+def tables() -> Iterator[Table]:
+    """The page's table."""
+    rows = [row for preset in CORES for row in measure_core(preset)]
+    yield Table(COSTS, "worst", worst_table(rows), partial(check, rows))
+
+
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument("--update", action="store_true")
-    what.add_argument("--check", action="store_true")
-    args = parser.parse_args()
-    try:
-        rows = [row for preset in CORES for row in measure_core(preset)]
-        print(worst_table(rows))
-        if args.check:
-            check(rows)
-        if args.update:
-            markdown.write(COSTS, "worst", worst_table(rows))
-    except (Disagreement, ToolError, OSError, ValueError) as error:
-        print(f"worst: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return run_report("worst", __doc__, tables)
 
 
 if __name__ == "__main__":

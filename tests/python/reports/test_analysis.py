@@ -7,7 +7,7 @@ from builds import need
 from support import ROOT
 
 from reports import analysis, markdown
-from reports.size import Disagreement
+from reports.command import Disagreement
 from reports.targets import INCLUDES, ToolError, library_flags
 
 GCC = ["gcc", *library_flags(), *INCLUDES]

@@ -7,7 +7,7 @@ from builds import need
 
 from data.paths import LIB
 from reports import markdown, misra
-from reports.size import Disagreement
+from reports.command import Disagreement
 
 FOLDERS = ("joints", "number")  # whose sources take seconds, and not minutes
 

@@ -7,7 +7,7 @@ from builds import need_core
 
 from data.paths import DOCS
 from reports import markdown, parts
-from reports.size import Disagreement
+from reports.command import Disagreement
 from reports.targets import TARGETS
 
 claims = pytest.mark.claims
