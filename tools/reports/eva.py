@@ -9,6 +9,7 @@ EVA cannot see the texts say with ASSUME, MUL_TO, DIV_TO and SHIFT_TO, each with
 """
 
 import argparse
+import os
 import re
 import subprocess
 import sys
@@ -18,7 +19,7 @@ from typing import NamedTuple
 
 from data.paths import DOCS, LIB, ROOT
 from reports import markdown
-from reports.size import Disagreement
+from reports.command import Disagreement
 from reports.targets import ToolError
 
 PAGE = DOCS / "proof.md"
@@ -113,8 +114,11 @@ def analyse(name: str, most_missing: int = SETS, folder: Path = PROGRAMS) -> Fou
         f"-cpp-extra-args={COMPILED} -DMOST_MISSING={most_missing}",
         str(folder / f"{name}.c"), *sources,
     ]  # fmt: skip
+    here = os.environ | {"PWD": str(ROOT)}  # where Frama-C looks for the sources
     try:
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            command, cwd=ROOT, env=here, capture_output=True, text=True, check=False
+        )
     except FileNotFoundError:
         raise ToolError("frama-c is not installed: apt-get install frama-c-base (0.9 GB)") from None
     if done.returncode != 0 or "ANALYSIS SUMMARY" not in done.stdout:
