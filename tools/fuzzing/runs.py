@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from data.paths import ROOT
-from fuzzing.targets import BUILD, OUT, Target, shown, sources_of
+from fuzzing.targets import OUT, Target, shown, sources_of
 
 LOG = OUT / "log.jsonl"
 SEEDS = 32  # pseudo-random inputs that a corpus begins with
@@ -165,7 +165,3 @@ def read_lcov(text: str, target: Target) -> tuple[Lines, Lines]:
             if int(count) > 0:
                 ran.add((file, int(number)))
     return ran, known
-
-
-def is_built() -> bool:
-    return (BUILD / "fuzz_library_fast").exists()

@@ -176,10 +176,7 @@ FLAGS = {
     "plain": ("-O2",),
     "sanitized": ("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"),
 }
-BUDGET = {
-    "plain": 60.0,
-    "sanitized": 4.0,
-}  # seconds of the processor's time that a mutant's tests take
+BUDGET = {"plain": 60.0, "sanitized": 4.0}  # seconds of the processor that a mutant's tests take
 
 
 def build_tests(name: str, most: int) -> dict[str, Path]:
