@@ -47,6 +47,7 @@ def build_and_run(build: Path, *settings: str) -> None:
     assert run(build / "consumer_c") == run(build / "consumer_cpp") == SAID
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", PAIRS)
 def test_find_package(compiler: str, installed: Path, tmp_path: Path) -> None:
     need(compiler, PAIRS[compiler])
@@ -91,6 +92,7 @@ def test_the_public_headers_are_installed_and_no_others(installed: Path) -> None
     assert Path("include/edmlift.h") in found and Path("include/edmlift/camera.h") in found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["subdirectory", "fetch"])
 def test_in_another_cmake_project(way: str, tmp_path: Path) -> None:
     need("g++")

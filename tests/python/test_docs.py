@@ -158,6 +158,7 @@ def test_first_pose_shows_the_beginning_of_what_is_printed(printed: dict[str, st
         assert begin in shown, begin
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "compiler, name", [("cc", "lift"), ("arm-none-eabi-gcc", "fixed"), ("cmake", "")]
 )

@@ -173,6 +173,7 @@ def test_flash_is_that_of_many_files_and_of_the_page() -> None:
 # ---- The files -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_what_stands_on_top(direct: Path) -> None:
     text = direct.read_text("utf-8")
     assert text.startswith(f"/* edmlift {version()} in one file: ")

@@ -84,6 +84,7 @@ def test_without_the_bodys_frame_a_rolled_camera_matters():
         assert (np.abs(depths[0] - depths[1]).max() > 0.01) == differs
 
 
+@pytest.mark.slow
 def test_without_the_mask_only_coordinates_tell():
     recipe = recipe_without("direct", "mask")
     params = jax.tree.map(jnp.asarray, ablations.PartRun([people()], recipe, 7).params)

@@ -39,6 +39,7 @@ def test_model(tmp_path: Path, folder: Path, model: str, end: str) -> None:
     check_exported(tmp_path, folder / f"{model}{end}", expected, in_c=model == "norms")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["plain", "no_bias", "many"])
 def test_weights_alone(tmp_path: Path, folder: Path, model: str) -> None:
     """With a ReLU between the layers; dense_10 comes behind dense_9."""

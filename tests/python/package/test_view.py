@@ -690,6 +690,7 @@ def test_light_and_dark(page: Page, tmp_path: Path):
     assert min(backgrounds[0]) > 230 and max(backgrounds[1]) < 50
 
 
+@pytest.mark.slow
 def test_a_picture_is_behind_the_joints(page: Page, tmp_path: Path):
     pytest.importorskip("PIL.Image", reason="no Pillow")
     colours = [(200, 60, 40), (40, 60, 200)]

@@ -100,6 +100,7 @@ def test_the_loss_falls_and_a_resumed_run_is_the_same(tmp_path):
         assert np.array_equal(values, resumed.params[name]), name
 
 
+@pytest.mark.slow
 def test_a_state_of_another_recipe_is_refused(tmp_path):
     Run([people()], SHORT, 7).save_state(tmp_path / "state")
     with pytest.raises(ValueError, match="another recipe or seed"):
