@@ -139,7 +139,12 @@ make_venv() {
 
 install_python() {
     "$venv/bin/python" -m pip --version || "$(find_python)" -m venv --clear "$venv" || return 1
-    "$venv/bin/python" -m pip install --disable-pip-version-check -r "$1"
+    local pip=("$venv/bin/python" -m pip install --disable-pip-version-check) uv
+    # Hundreds of megabytes take pip minutes.  Where uv does not get through, pip may, by its settings.
+    if uv=$(grep '^uv==' "$1") && "${pip[@]}" "$uv" && "$venv/bin/uv" pip install --python "$venv/bin/python" -r "$1"; then
+        return
+    fi
+    "${pip[@]}" -r "$1"
 }
 
 use_ccache() {
