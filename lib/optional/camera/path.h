@@ -70,7 +70,7 @@ static path_gains gains_of(real root_index, real seconds, real root_distance, in
     const real left = (REAL(4.0) + index - MUL(root, SQRT(REAL(8.0) + index))) / 4; /* 1 to 0.1 */
     path_gains gains = {REAL(1.0) - SQUARE(left), MUL(REAL(1.0) - left, REAL(1.0) - left)};
     if (gains.place < line.place) gains.place = line.place;
-    if (gains.rate < line.rate || placements == 2) gains.rate = line.rate; /* two places have one rate */
+    if (gains.rate < line.rate) gains.rate = line.rate; /* 1 of two placements: they have one rate */
     return gains;
 }
 
