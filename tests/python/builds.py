@@ -2,11 +2,25 @@
 
 import shutil
 import subprocess
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from reports import targets
+
+
+def long_but(few: Iterable[Any], all_of_them: Iterable[Any]) -> list[Any]:
+    """Parameters of a test: with these few, it is not a long one."""
+    return [
+        value if value in few else pytest.param(*_several(value), marks=pytest.mark.long)
+        for value in all_of_them
+    ]
+
+
+def _several(value: Any) -> tuple[Any, ...]:
+    return value if isinstance(value, tuple) else (value,)
 
 
 def need(*programs: str) -> None:

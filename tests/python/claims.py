@@ -5,13 +5,14 @@ of constants, in it:
 
     @pytest.mark.claims("docs/body.md", "sizes", "partial")
 
-It fails where it reads none of these tables.  What tests claim that were skipped is listed at the
-end of a run, and what no test can compare.
+It fails where it reads none of these tables.  What tests claim that were skipped, or left out by
+their marks, is listed at the end of a run, and what no test can compare.
 """
 
 from collections import defaultdict
 from collections.abc import Generator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,6 +20,7 @@ from reports import markdown
 
 ROOT = Path(__file__).resolve().parents[2]
 CLAIMS, NEVER = "claims", "never compared"  # names of user properties
+LEFT_OUT = "tools/check --long compares it"
 
 Claim = tuple[str, str]  # a file, and a table or constant in it
 
@@ -44,6 +46,7 @@ UNCOMPARED: dict[Claim, str] = {
 }
 
 _read: set[Claim] = set()  # tables that tests of this process have read
+_left_out: set[Claim] = set()  # what tests claim that their marks left out
 _find = markdown._find
 
 
@@ -75,6 +78,24 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, object, object]:
     return result
 
 
+def pytest_deselected(items: list[pytest.Item]) -> None:
+    """By `-m`: `-k` asks for certain tests."""
+    if items[0].config.option.markexpr and not items[0].config.option.keyword:
+        _left_out.update(claim for item in items for claim in claims_of(item))
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """A worker of pytest-xdist says what it left out."""
+    if (output := getattr(session.config, "workeroutput", None)) is not None:
+        output[CLAIMS] = sorted(_left_out)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any) -> None:
+    """What a worker has said."""
+    _left_out.update(map(tuple, getattr(node, "workeroutput", {}).get(CLAIMS, [])))
+
+
 def unchecked(reports: dict[str, list[pytest.TestReport]]) -> dict[tuple[str, str], list[str]]:
     """{(file, why): names} of what was skipped, or is never compared, by reports of outcomes."""
     found: dict[tuple[str, str], list[str]] = defaultdict(list)
@@ -91,6 +112,8 @@ def unchecked(reports: dict[str, list[pytest.TestReport]]) -> dict[tuple[str, st
     for report in reports.get("passed", []):
         for claim, why in dict(report.user_properties).get(NEVER, []):
             add(tuple(claim), why)
+    for claim in sorted(_left_out):
+        add(claim, LEFT_OUT)
     return found
 
 

@@ -27,15 +27,24 @@ if "CCACHE_DIR" not in os.environ and (CCACHE / "compilers").is_dir():
     os.environ["PATH"] = f"{CCACHE / 'compilers'}{os.pathsep}{os.environ['PATH']}"
 
 from claims import (  # noqa: E402
+    pytest_deselected,
     pytest_itemcollected,
     pytest_runtest_call,
+    pytest_sessionfinish,
+    pytest_testnodedown,
     write_unchecked,
 )
 from support import need_library  # noqa: E402
 
 from edmlift.library import Library  # noqa: E402
 
-__all__ = ["pytest_itemcollected", "pytest_runtest_call"]  # hooks
+__all__ = [  # hooks
+    "pytest_deselected",
+    "pytest_itemcollected",
+    "pytest_runtest_call",
+    "pytest_sessionfinish",
+    "pytest_testnodedown",
+]
 
 
 @pytest.fixture(scope="session")
@@ -45,8 +54,13 @@ def library() -> Library:
     return Library()
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files with the most slow tests first: all cores of pytest-xdist are then busy to the end."""
+    """What is long is slow, too.  Files with the most slow tests first: all cores of pytest-xdist
+    are then busy to the end."""
+    for item in items:
+        if item.get_closest_marker("long"):
+            item.add_marker("slow")
     slow = Counter(item.path for item in items if item.get_closest_marker("slow"))
     items.sort(key=lambda item: -slow[item.path])
 

@@ -4,10 +4,11 @@ import json
 import re
 import subprocess
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import pytest
-from builds import need, need_cross_compiler
+from builds import long_but, need, need_cross_compiler
 
 from reports import bits, markdown
 from reports.command import Disagreement
@@ -44,10 +45,14 @@ def printed(command: list[str], folder: Path) -> str:
     return run(folder / "bits")
 
 
+COMPILERS = ["gcc", "clang"]
+LEVELS = ["-O0", "-O1", "-O2", "-O3", "-Os", "-O2 -march=native", *PORTABLE]
+SOME_LEVELS = [("gcc", "-O2 -march=native"), ("clang", "-O3"), *product(["gcc"], PORTABLE)]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize(
-    "options", ["-O0", "-O1", "-O2", "-O3", "-Os", "-O2 -march=native", *PORTABLE]
+    ("compiler", "options"), long_but(SOME_LEVELS, product(COMPILERS, LEVELS))
 )
 def test_every_compiler_and_level_gives_the_same_bits(
     compiler: str, options: str, tmp_path: Path
@@ -58,7 +63,9 @@ def test_every_compiler_and_level_gives_the_same_bits(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", ["gcc", "gcc -ffp-contract=fast", "clang"])
+@pytest.mark.parametrize(
+    "command", long_but(["gcc -ffp-contract=fast"], ["gcc", "gcc -ffp-contract=fast", "clang"])
+)
 def test_no_flag_is_needed_for_these_bits(command: str, tmp_path: Path) -> None:
     """As GNU C, which fuses products and sums where the processor can: the sources forbid it."""
     compiler, *options = command.split()
@@ -67,9 +74,10 @@ def test_no_flag_is_needed_for_these_bits(command: str, tmp_path: Path) -> None:
     assert printed([compiler, *flags], tmp_path) == EXPECTED
 
 
+UNSAFE = "-ffast-math -fno-finite-math-only"  # refused by gcc, and undone by clang
 ANOTHER_ARITHMETIC = [  # of floats than IEEE 754's
     "-ffast-math",
-    "-ffast-math -fno-finite-math-only",
+    UNSAFE,
     "-funsafe-math-optimizations",
     "-freciprocal-math",
     "-fassociative-math -fno-signed-zeros -fno-trapping-math",
@@ -79,8 +87,13 @@ ANOTHER_ARITHMETIC = [  # of floats than IEEE 754's
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@pytest.mark.parametrize("options", ANOTHER_ARITHMETIC)
+@pytest.mark.parametrize(
+    ("compiler", "options"),
+    long_but(
+        [("clang", UNSAFE), *product(["gcc"], ANOTHER_ARITHMETIC)],
+        product(COMPILERS, ANOTHER_ARITHMETIC),
+    ),
+)
 def test_options_that_change_floats_are_refused_or_change_nothing(
     compiler: str, options: str, tmp_path: Path
 ) -> None:
@@ -143,7 +156,7 @@ def need_row(row: bits.Row) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", TARGETS)
+@pytest.mark.parametrize("name", long_but(["cortex-m4f"], TARGETS))
 def test_every_microcontroller_gives_the_same_bits(name: str) -> None:
     row = bits.core(name)
     need_row(row)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builds import need, need_core
+from builds import long_but, need, need_core
 
 from reports.targets import INCLUDES, ROOT, TARGETS, Target, build, compile_library, emulate, run
 
@@ -42,7 +42,10 @@ def expected(host: Path) -> dict[str, str]:
     return {v: run(host / "examples" / "firmware" / f"firmware_{v}") for v in VARIANTS}
 
 
-@pytest.fixture(scope="module", params=TARGETS)
+SOME_CORES = ["cortex-m0plus", "cortex-m4f", "cortex-m55", "rv32imc"]
+
+
+@pytest.fixture(scope="module", params=long_but(SOME_CORES, TARGETS))
 def core(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory):
     """A preset's name and the folder into which it was built."""
     need("cmake")
@@ -119,7 +122,7 @@ def float_code(image: Path, target: Target) -> set[str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("core", NO_FPU, indirect=True)
+@pytest.mark.parametrize("core", long_but(SOME_CORES, NO_FPU), indirect=True)
 def test_fixed_point_has_no_float_code(core) -> None:
     name, folder = core
     images = folder / "examples" / "firmware"
@@ -129,7 +132,7 @@ def test_fixed_point_has_no_float_code(core) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", NO_FPU)
+@pytest.mark.parametrize("name", long_but(["cortex-m0plus"], NO_FPU))
 def test_fconv_in_fixed_point_has_no_float_code(name: str, tmp_path: Path) -> None:
     target = TARGETS[name]
     if name == "cortex-m0plus":  # its board is too small

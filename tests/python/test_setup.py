@@ -99,9 +99,9 @@ def check(tmp_path: Path):
 def test_check_runs_all_tests_and_says_what_was_skipped_and_how_long_it_took(check) -> None:
     done, calls = check()
     assert done.returncode == 0, done.stderr
-    assert [c for c in calls if c.startswith("ctest")] == [
+    assert [" ".join(c.split()) for c in calls if c.startswith("ctest")] == [
         "ctest --output-on-failure --parallel 2 --label-exclude python",
-        "ctest --output-on-failure --parallel 2 --label-regex python",
+        "ctest --output-on-failure --parallel 2 --label-regex python -m 'not long'",
     ]
     assert "cmake --build build/check" in calls
     assert calls[-2:] == [
@@ -130,6 +130,12 @@ def test_a_quick_check_builds_and_runs_what_is_quick(check) -> None:
     assert "--tests-regex ^python$" in python and "-m 'not slow'" in python
 
 
+def test_a_long_check_runs_all_python_tests(check) -> None:
+    done, calls = check("--long")
+    assert done.returncode == 0, done.stderr
+    assert [c for c in calls if "-m 'not" in c] == []
+
+
 def test_compilers_are_links_to_ccache(check, tmp_path: Path) -> None:
     check("--quick")
     links = tmp_path / "build" / "ccache" / "compilers"
@@ -145,4 +151,5 @@ def test_the_help_of_check_names_its_options(check) -> None:
 def test_an_option_that_check_does_not_have(check) -> None:
     done, calls = check("--quick", "--fast")
     assert (done.returncode, done.stdout, calls) == (2, "", [])
-    assert done.stderr == "tools/check: unknown option --fast; there are --quick and --help.\n"
+    there_are = "there are --quick, --long and --help"
+    assert done.stderr == f"tools/check: unknown option --fast; {there_are}.\n"

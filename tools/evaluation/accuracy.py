@@ -210,7 +210,7 @@ def tables(args: argparse.Namespace) -> Tables:
         library = Library(f"{model}_f32")
         figures[model] = {s: rounded(evaluate(library, m)) for s, m in motions.items()}
         lost = {s: rounded(forms.evaluate_forms(model, m)) for s, m in motions.items()}
-        found |= model_tables(model, figures[model], lost)
+        found |= model_tables(model, figures[model]) | forms_table(model, figures[model], lost)
         if model in TAKE_UP:
             ups = {s: rounded(evaluate_up(library, m)) for s, m in motions.items()}
             found[f"up_{model}"] = by_set(up_table, ups)
@@ -225,16 +225,20 @@ def tables(args: argparse.Namespace) -> Tables:
     return found
 
 
-def model_tables(
-    model: str, figures: dict[str, Columns], lost: dict[str, dict[str, Columns]]
-) -> Tables:
+def model_tables(model: str, figures: dict[str, Columns]) -> Tables:
     """The tables of a model by itself, whose marks end in its name."""
-    both = {name: (figures[name], lost[name]) for name in figures}
     return {
         f"accuracy_{model}": by_set(means_table, figures),
         f"joints_{model}": by_set(joints_table, figures),
-        f"forms_{model}": by_set(lambda f: forms.report(*f), both),
     }
+
+
+def forms_table(
+    model: str, figures: dict[str, Columns], lost: dict[str, dict[str, Columns]]
+) -> Tables:
+    """That of what a model's forms lose."""
+    both = {name: (figures[name], lost[name]) for name in figures}
+    return {f"forms_{model}": by_set(lambda f: forms.report(*f), both)}
 
 
 def angles_by_set(models: tuple[str, ...], motions: dict[str, Motion]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from builds import need_core
+from builds import long_but, need_core
 from support import OTHERS_TEST, OTHERS_TRAIN, ROOT, TEST, TRAIN, need_motion
 
 from data.mocap import load_motion
@@ -19,8 +19,9 @@ from evaluation import forms as number_forms
 from evaluation.measures import evaluate, rounded
 from experiments import rivals
 from export import cli
+from model.manifest import read_manifest
 from reports import markdown, operations, size, video
-from reports.targets import TARGETS, compile_library, run
+from reports.targets import SMALL_SOURCES, TARGETS, Target, compile_library, run
 
 ACCURACY, LOG, FCONV = (ROOT / "docs" / f"{n}.md" for n in ("accuracy", "accuracy-log", "fconv"))
 
@@ -65,35 +66,48 @@ def forms(sets, library):
     }
 
 
+def check_pages(model: str, tables: dict[str, str]) -> None:
+    """Whether a model's tables are those of its pages."""
+    pages = (FCONV,) if model == "fconn" else (ACCURACY, LOG)
+    for name, text in tables.items():
+        shown = [p for p in pages if f"<!-- begin {name} -->" in p.read_text("utf-8")]
+        assert shown or (model == "fconn" and name.startswith("joints")), name
+        assert all(markdown.read(page, name) == text for page in shown)
+
+
 @pytest.mark.slow
 @pytest.mark.claims("README.md", "summary")
-@pytest.mark.claims(
-    "docs/accuracy.md", "accuracy_distances", "accuracy_direct", "forms_distances", "forms_direct"
-)
+@pytest.mark.claims("docs/accuracy.md", "accuracy_distances", "accuracy_direct")
 @pytest.mark.claims("docs/accuracy-log.md", "joints_distances", "joints_direct")
-@pytest.mark.claims("docs/fconv.md", "accuracy_fconn", "forms_fconn")
-@pytest.mark.claims("gen/distances.json", "metrics", "metrics_w16", "metrics_w8", "metrics_others")
-@pytest.mark.claims("gen/direct.json", "metrics", "metrics_w16", "metrics_w8", "metrics_others")
-@pytest.mark.claims("gen/fconn.json", "metrics", "metrics_w16", "metrics_w8", "metrics_others")
-def test_the_accuracy_is_that_of_the_pages(figures, forms):
+@pytest.mark.claims("docs/fconv.md", "accuracy_fconn")
+@pytest.mark.claims("gen/distances.json", "metrics", "metrics_others")
+@pytest.mark.claims("gen/direct.json", "metrics", "metrics_others")
+@pytest.mark.claims("gen/fconn.json", "metrics", "metrics_others")
+def test_the_accuracy_is_that_of_the_pages(figures):
     for model in accuracy.MODELS:
-        tables = accuracy.model_tables(model, figures[model], forms[model])
-        pages = (FCONV,) if model == "fconn" else (ACCURACY, LOG)
-        for name, text in tables.items():
-            shown = [p for p in pages if f"<!-- begin {name} -->" in p.read_text("utf-8")]
-            assert shown or (model == "fconn" and name.startswith("joints")), name
-            assert all(markdown.read(page, name) == text for page in shown)
-        manifest = json.loads((ROOT / "gen" / f"{model}.json").read_text())
+        check_pages(model, accuracy.model_tables(model, figures[model]))
+        manifest = read_manifest(model)
         first, others = (figures[model][Path(name).stem] for name in (TEST, OTHERS_TEST))
         assert manifest["metrics"] == accuracy.column_errors(first)
         assert manifest["metrics_others"] == {
             Path(OTHERS_TEST).stem: accuracy.column_errors(others)
         }
-        for form in ("w16", "w8"):
-            lost = forms[model][Path(TEST).stem][form]
-            assert manifest[f"metrics_{form}"] == accuracy.column_errors(lost)
     costs = size.parse(markdown.read(size.COSTS, "costs"))
     assert markdown.read(size.README, "summary").strip() == size.summary_table(costs)
+
+
+@pytest.mark.long
+@pytest.mark.claims("docs/accuracy.md", "forms_distances", "forms_direct")
+@pytest.mark.claims("docs/fconv.md", "forms_fconn")
+@pytest.mark.claims("gen/distances.json", "metrics_w16", "metrics_w8")
+@pytest.mark.claims("gen/direct.json", "metrics_w16", "metrics_w8")
+@pytest.mark.claims("gen/fconn.json", "metrics_w16", "metrics_w8")
+def test_what_other_forms_lose_is_that_of_the_pages(figures, forms):
+    for model in accuracy.MODELS:
+        check_pages(model, accuracy.forms_table(model, figures[model], forms[model]))
+        for form in ("w16", "w8"):
+            lost = forms[model][Path(TEST).stem][form]
+            assert read_manifest(model)[f"metrics_{form}"] == accuracy.column_errors(lost)
 
 
 @pytest.fixture(scope="module")
@@ -150,7 +164,7 @@ def rival_figures(sets):
     return {name: accuracy.evaluate_rivals(train, motion) for name, motion in sets.items()}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.claims("docs/accuracy.md", "rivals")
 def test_the_library_beats_the_rivals_of_the_table(figures, rival_figures):
     for name, others in rival_figures.items():
@@ -180,7 +194,7 @@ def test_the_trained_rivals_are_of_the_recipes():
         assert entry["recipe"] == json.loads(json.dumps(recipe)), name
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("form", "most"), [("w16", 0.2), ("w8", 0.5), ("fixed", 0.2), ("fixed_w8", 0.5)]
 )
@@ -199,7 +213,7 @@ def test_fconv_in_8_bits_loses_little_in_any_column():
         assert manifest["metrics_w8"][column] <= error + 1.5, column
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("model", accuracy.MODELS)
 def test_fixed_point_is_the_float_lift(forms, model):
     for found in forms[model].values():
@@ -217,21 +231,27 @@ def test_operations_are_those_of_the_table_and_none_overflows(people):
     assert table == operations.report(counts)
 
 
-@pytest.fixture(scope="module")
-def costs() -> list[size.Cost]:
-    """Of every core and variant, measured now."""
-    for target in TARGETS.values():
-        need_core(target)
-        version = run(f"{target.system.cross}gcc", "-dumpversion")
-        if not version.startswith("12.2"):
-            pytest.skip(f"the figures are of gcc 12.2, this is {version}")
-    return size.measure()
+def need_measured_compiler(target: Target) -> None:
+    """Skips the test where a core's compiler is not the one of the figures."""
+    need_core(target)
+    version = run(f"{target.system.cross}gcc", "-dumpversion")
+    if not version.startswith("12.2"):
+        pytest.skip(f"the figures are of gcc 12.2, this is {version}")
 
 
-@pytest.mark.claims("docs/costs.md", "costs", "size_report", "floor", "fconv_costs")
+@pytest.mark.claims("docs/costs.md", "costs", "size_report", "floor")
 @pytest.mark.slow
-def test_the_costs_are_those_of_the_tables(costs):
-    size.check(costs)
+@pytest.mark.parametrize("core", long_but(["cortex-m4f"], TARGETS))
+def test_the_costs_of_a_core_are_those_of_the_tables(core):
+    need_measured_compiler(TARGETS[core])
+    size.check(size.measure_core(TARGETS[core]))
+
+
+@pytest.mark.claims("docs/costs.md", "fconv_costs")
+@pytest.mark.long
+def test_the_costs_of_fconv_are_those_of_the_table():
+    for core, _ in size.FCONV:
+        need_measured_compiler(TARGETS[core])
     size.check_fconv(size.measure_fconv())
 
 
@@ -249,28 +269,33 @@ LIMITS = [  # bytes of code, instructions a lift
 ]
 
 
-@pytest.mark.slow
+@pytest.fixture(scope="module")
+def costs() -> dict[tuple[str, str, str], size.Cost]:
+    """Of every core, model and variant, as the table has them."""
+    rows = size.parse(markdown.read(size.COSTS, "costs"))
+    return {(cost.core, cost.model, cost.variant): cost for cost in rows}
+
+
 @pytest.mark.parametrize("core, model, variant, code, lift", LIMITS)
 def test_a_lift_is_cheap(costs, core, model, variant, code, lift):
-    title = (core, model, variant)
-    (cost,) = [cost for cost in costs if (cost.core, cost.model, cost.variant) == title]
+    cost = costs[core, model, variant]
     assert cost.code <= code and cost.lift <= lift
 
 
-@pytest.mark.slow
 def test_a_lift_needs_little_memory(costs):
-    assert max(cost.work for cost in costs) <= 2448
-    assert max(cost.stack for cost in costs) <= 600
+    assert max(cost.work for cost in costs.values()) <= 2448
+    assert max(cost.stack for cost in costs.values()) <= 600
 
 
 @pytest.mark.slow
-def test_all_of_the_flash_is_told(tmp_path):
+def test_all_of_the_flash_is_told(costs, tmp_path):
     """What the linker keeps is code or weights, but for main() and alignment."""
     target = TARGETS["cortex-m0plus"]
-    need_core(target)
-    library = compile_library(target, "-Os", tmp_path)
+    need_measured_compiler(target)
+    library = compile_library(target, "-Os", tmp_path, SMALL_SOURCES)
     title = ("direct", "fixed")
     cost = size.measure_variant(target, title, size.options_of(*title), library, tmp_path)
+    size.compare([costs[(target.name, *title)]], [cost])
     listing = run(f"{target.system.cross}size", tmp_path / "smallest.elf").splitlines()
     flash = int(listing[1].split()[0])
     assert 0 <= flash - cost.code - cost.weights <= 200
