@@ -20,6 +20,7 @@ from reports.targets import (
 )
 
 CONSUMER = ROOT / "tests" / "install"
+MODELS = "-DEDMLIFT_MODELS=distances_f32;direct_w8"  # of eleven, which takes less time
 SAID = "ok left_ankle\n"
 PAIRS = {"gcc": "g++", "clang": "clang++"}
 
@@ -35,7 +36,7 @@ def installed(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
     folder = tmp_path_factory.mktemp(request.param)
     shared = "ON" if request.param == "shared" else "OFF"
     configure(ROOT, folder / "build", f"-DBUILD_SHARED_LIBS={shared}", "-DEDMLIFT_EXAMPLES=OFF",
-              "-DCMAKE_INSTALL_LIBDIR=lib")  # fmt: skip
+              "-DCMAKE_INSTALL_LIBDIR=lib", MODELS)  # fmt: skip
     run("cmake", "--build", folder / "build")
     run("cmake", "--install", folder / "build", "--prefix", folder / "prefix")
     return folder / "prefix"
@@ -100,7 +101,7 @@ def test_in_another_cmake_project(way: str, tmp_path: Path) -> None:
         tmp_path,
         f"-DWAY={way}",
         f"-DEDMLIFT_SOURCE={ROOT}",
-        "-DEDMLIFT_MODELS=distances_f32;direct_w8",
+        MODELS,
     )
     run("cmake", "--install", tmp_path, "--prefix", tmp_path / "prefix")
     assert not (tmp_path / "prefix").exists()  # it is the other project's affair

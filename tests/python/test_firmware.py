@@ -147,7 +147,7 @@ def test_fconv_in_fixed_point_has_no_float_code(name: str, tmp_path: Path) -> No
         assert (float_code(image, target) == set()) == fixed
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_vendored_with_its_makefile(tmp_path: Path, expected: dict[str, str]) -> None:
     need("make")
     need_core(TARGETS["cortex-m3"])

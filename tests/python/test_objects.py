@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from builds import need, need_cross_compiler
+from builds import long_but, need, need_cross_compiler
 
 from reports.targets import INCLUDES, TARGETS, compile_each, compiler, library_flags, run
 
@@ -15,7 +15,7 @@ HOSTS = ["gcc", "clang"]
 CORES = ["cortex-m0plus", "cortex-m4f", "rv32imc"]
 
 
-@pytest.fixture(scope="module", params=[*HOSTS, *CORES])
+@pytest.fixture(scope="module", params=long_but(["gcc", "cortex-m0plus"], [*HOSTS, *CORES]))
 def objects(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory):
     """Prefix of the binary utilities, and an object file for each source."""
     if request.param in HOSTS:

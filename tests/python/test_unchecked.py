@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 from claims import NEVER, UNCOMPARED, Claim
@@ -50,8 +51,8 @@ def test_what_is_claimed_is_there():
 
 
 def run(*arguments: object, **environment: str) -> subprocess.CompletedProcess:
-    """pytest of a process of its own, with two workers as in tools/check."""
-    command = [sys.executable, "-m", "pytest", "-q", "-n", "2", *map(str, arguments)]
+    """pytest of a process of its own, whose worker runs the tests, as in tools/check."""
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "1", *map(str, arguments)]
     return subprocess.run(
         command, cwd=ROOT, env=os.environ | environment, capture_output=True, text=True
     )
@@ -70,16 +71,35 @@ def test_a_run_without_the_motion_data_names_what_it_did_not_check():
     assert "UNCHECKED docs/costs.md: cycles (the emulator of an RP2040 takes minutes)" in said
 
 
+CONFTEST = f"""import sys
+sys.path[:0] = [{str(ROOT / "tools")!r}, {str(ROOT / "tests" / "python")!r}]
+from claims import *
+def pytest_configure(config):
+    for mark in ("claims", "long"):
+        config.addinivalue_line("markers", f"{{mark}}: x")
+def pytest_terminal_summary(terminalreporter):
+    write_unchecked(terminalreporter)
+"""
+
+
+def run_claim(folder: Path, *options: str, mark: str = "") -> subprocess.CompletedProcess:
+    """Of a test that claims a table and reads nothing, with a mark."""
+    (folder / "conftest.py").write_text(CONFTEST)
+    (folder / "test_it.py").write_text(
+        f"import pytest\n{mark}\n@pytest.mark.claims('docs/body.md', 'sizes')\n"
+        "def test_it(): pass\ndef test_other(): pass\n"
+    )
+    return run("-p", "no:cacheprovider", "--rootdir", folder, "-c", os.devnull, folder, *options)
+
+
 @pytest.mark.slow
 def test_a_claim_without_a_comparison_fails(tmp_path):
-    test = tmp_path / "test_it.py"
-    (tmp_path / "conftest.py").write_text(
-        f"import sys\nsys.path[:0] = [{str(ROOT / 'tools')!r}, {str(ROOT / 'tests/python')!r}]\n"
-        "from claims import pytest_itemcollected, pytest_runtest_call\n"
-        "def pytest_configure(config): config.addinivalue_line('markers', 'claims: x')\n"
-    )
-    test.write_text(
-        "import pytest\n@pytest.mark.claims('docs/body.md', 'sizes')\ndef test_it(): pass\n"
-    )
-    done = run("-p", "no:cacheprovider", "--rootdir", tmp_path, "-c", os.devnull, test)
+    done = run_claim(tmp_path)
     assert done.returncode == 1 and "claims, but does not read: [('docs/body.md'" in done.stdout
+
+
+@pytest.mark.slow
+def test_a_run_without_long_tests_names_what_it_did_not_check(tmp_path):
+    done = run_claim(tmp_path, "-m", "not long", mark="@pytest.mark.long")
+    assert done.returncode == 0, done.stdout
+    assert "UNCHECKED docs/body.md: sizes (tools/check --long compares it)" in done.stdout

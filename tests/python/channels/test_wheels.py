@@ -1,17 +1,19 @@
 """pip install: the source distribution and wheels as a release has them, in a fresh environment."""
 
+import functools
 import re
 import shutil
 import subprocess
 import sys
 import tarfile
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tomllib
-from builds import need
+from builds import long_but, need
 from support import EXAMPLES, ROOT, need_library, read_joints
 
 import edmlift
@@ -39,17 +41,28 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def built(folder: Path) -> dict[str, Path]:
-    """Wheels by the names of their platforms: of this machine, and of another processor."""
-    names = [name for name in PLATFORMS if name in (HOST, CROSS)]
-    return dict(zip(names, wheels.build_wheels(folder, names), strict=True))
+def build(folder: Path) -> Callable[[str | None], Path]:
+    """Returns a platform's wheel, which is built when it is asked for first."""
+
+    @functools.cache
+    def built(name: str | None) -> Path:
+        if name not in PLATFORMS:
+            pytest.skip(f"no wheel for {name}")
+        return wheels.build_wheels(folder, [name])[0]
+
+    return built
 
 
 @pytest.fixture(scope="module")
-def wheel(built: dict[str, Path]) -> Path:
-    if HOST not in built:
-        pytest.skip(f"no wheel for {HOST}")
-    return built[HOST]
+def wheel(build: Callable[[str | None], Path]) -> Path:
+    """Of this machine."""
+    return build(HOST)
+
+
+@pytest.fixture(params=long_but([HOST], [HOST, CROSS]))
+def built(request: pytest.FixtureRequest, build: Callable[[str | None], Path]) -> tuple[str, Path]:
+    """A platform's name and its wheel: of this machine, and of another processor."""
+    return request.param, build(request.param)
 
 
 @pytest.fixture(scope="module")
@@ -80,11 +93,9 @@ def test_the_sdist_holds_what_builds_the_package_and_no_more(sdist: Path):
     assert sdist.stat().st_size < 3_200_000
 
 
-@pytest.mark.parametrize("name", [HOST, CROSS])
-def test_a_wheel_holds_the_package_and_the_library(name: str, built: dict[str, Path]):
-    if name not in built:
-        pytest.skip(f"no wheel for {name}")
-    path, platform = built[name], PLATFORMS[name]
+def test_a_wheel_holds_the_package_and_the_library(built: tuple[str, Path]):
+    name, path = built
+    platform = PLATFORMS[name]
     files = contents(path)
     info = {file.partition("/")[2] for file in files if ".dist-info/" in file}
     assert {file for file in files if ".dist-info/" not in file} == {
@@ -113,11 +124,11 @@ def test_a_wheel_has_the_same_bytes_each_time(wheel: Path, tmp_path: Path):
     assert again.name == wheel.name and again.read_bytes() == wheel.read_bytes()
 
 
-def test_an_index_of_packages_would_take_them(sdist: Path, built: dict[str, Path]):
-    wheel_checks.check_metadata([sdist, *built.values()])
-    for name, path in built.items():
-        if name.startswith("linux"):
-            wheel_checks.check_oldest_glibc(path)
+def test_an_index_of_packages_would_take_it(sdist: Path, built: tuple[str, Path]):
+    name, path = built
+    wheel_checks.check_metadata([sdist, path])
+    if name.startswith("linux"):
+        wheel_checks.check_oldest_glibc(path)
 
 
 def test_a_record_of_other_files_is_found(wheel: Path, tmp_path: Path):
@@ -133,20 +144,21 @@ def test_a_record_of_other_files_is_found(wheel: Path, tmp_path: Path):
 
 
 def test_the_library_exports_the_public_names_and_needs_no_other(
-    built: dict[str, Path], tmp_path: Path
+    built: tuple[str, Path], tmp_path: Path
 ):
-    for name, path in built.items():
-        library = wheel_checks.unpack_library(path, PLATFORMS[name], tmp_path)
-        wheel_checks.check_exports(library)
-        wheel_checks.check_needs(library)
+    name, path = built
+    library = wheel_checks.unpack_library(path, PLATFORMS[name], tmp_path)
+    wheel_checks.check_exports(library)
+    wheel_checks.check_needs(library)
 
 
-def test_another_processor_gives_the_same_bits(built: dict[str, Path], tmp_path: Path):
+@pytest.mark.long
+def test_another_processor_gives_the_same_bits(build: Callable[[str | None], Path], tmp_path: Path):
     """All that tests/targets/bits.c computes, in QEMU."""
     need("qemu-aarch64")
     if not Path(wheel_checks.ARM64.loader).exists():
         pytest.skip("no libc6-arm64-cross")
-    library = wheel_checks.unpack_library(built[CROSS], PLATFORMS[CROSS], tmp_path)
+    library = wheel_checks.unpack_library(build(CROSS), PLATFORMS[CROSS], tmp_path)
     wheel_checks.check_bits(library, wheel_checks.ARM64)
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builds import long_but
 from support import run_tool
 
 from data.array_pickles import load_arrays
@@ -506,6 +507,7 @@ def test_one_command_prints_the_table(files, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("files", long_but(["h36m"], ["h36m", "humaneva"]), indirect=True)
 def test_training_uses_the_training_people(files, tmp_path):
     done = command(*options_of(files), "--train", "--epochs", 1, "--out", tmp_path)
     assert done.returncode == 0, done.stderr

@@ -110,7 +110,7 @@ def short(monkeypatch):
     return run
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_command_trains_measures_and_writes_a_table_a_motion(tmp_path, short):
     motions = [write_motion(tmp_path / f"{n}.npz", people(c)) for n, c in (("a", 400), ("b", 120))]
     page, results = tmp_path / "page.md", tmp_path / "results.json"

@@ -104,7 +104,7 @@ def test_errors_of_the_command_are_clear(tmp_path, short, capsys):
     assert "motion.npz" in capsys.readouterr().err
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_networks_are_trained_and_lift(tmp_path):
     rest, held = [people(300), people(100)], [people(60)]
     view = views(held[0].joints)["rand2"]

@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from builds import long_but
 from motions import people, write_motion
 from support import ROOT
 
@@ -52,7 +53,7 @@ def test_people_of_the_test_are_measured_if_there_are_any():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", long_but(["direct"], KINDS))
 def test_the_library_of_a_run_lifts_as_training_does(tmp_path, kind):
     recipe = dataclasses.replace(RECIPES[kind], l2_epochs=0, pose_epochs=1, batch=60)
     motion = of([1, 2])
@@ -65,7 +66,7 @@ def test_the_library_of_a_run_lifts_as_training_does(tmp_path, kind):
     assert np.abs(lifted.joints - expected + mid_hip(expected)[:, None]).max() < 1e-4
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_command_trains_without_each_and_with_all(tmp_path, monkeypatch, capsys):
     motions = {"a": of([1, 2]), "b": of([85, 5001, 5101]), "c": of([3], 20), "d": of([5006], 21)}
     paths = {name: write_motion(tmp_path / f"{name}.npz", m) for name, m in motions.items()}

@@ -214,7 +214,7 @@ def files(tmp_path) -> tuple[Path, ...]:
     return tuple(write_motion(tmp_path / f"{n}.npz", people(c)) for n, c in counts.items())
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_command_adds_rivals_to_the_json(tmp_path, files):
     results = tmp_path / "rivals.json"
     options = ("--epochs", 2, "--out", tmp_path / "runs", "--json", results)

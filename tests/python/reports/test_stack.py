@@ -4,7 +4,7 @@ import math
 import re
 
 import pytest
-from builds import need_cross_compiler
+from builds import long_but, need_cross_compiler
 from support import ROOT
 
 from reports import markdown, size, stack
@@ -19,7 +19,9 @@ BENCH = 32  # bytes: the frame of a function of tests/targets/bench around the c
 
 @pytest.mark.claims("docs/stack.md", "stack")
 @pytest.mark.slow
-@pytest.mark.parametrize("core", ["cortex-m0plus", "rv32imafc"])
+@pytest.mark.parametrize(
+    "core", long_but(["cortex-m0plus"], ["cortex-m0plus", "rv32imafc"])
+)
 def test_the_page_has_the_bounds_of_the_call_graph(core: str):
     target = TARGETS[core]
     need_cross_compiler(target)
