@@ -49,7 +49,7 @@ def found() -> fit_body.Constants:
     return fit_body.fit(lifters, [load_motion(need_motion(n)) for n in (TRAIN, OTHERS_TRAIN)])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.claims("lib/optional/body.h", "HEAD_TO_ANKLE", "proportion")
 def test_sizes_are_the_scripts(found: fit_body.Constants):
     numbers = [float(n) for n in re.findall(r"REAL\((0\.\d{3}|1\.0)\)", text_of("body.h"))]
@@ -59,7 +59,7 @@ def test_sizes_are_the_scripts(found: fit_body.Constants):
     assert number("ANKLE_HEIGHT") == found.ankle
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.claims("lib/optional/quality.h", "PER_MISFIT", "PER_MISSING", "PER_VIOLATION")
 @pytest.mark.claims("lib/optional/quality.h", "PER_SIDE", "QUALITY_CONSTANT")
 def test_the_model_of_quality_is_the_scripts(found: fit_body.Constants):
@@ -72,14 +72,14 @@ def test_the_model_of_quality_is_the_scripts(found: fit_body.Constants):
         assert number(macro) == fit_body.CLAMPS[name], name
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_nine_of_ten_training_poses_above_nine_tenths_are_good(found: fit_body.Constants):
     """With bodies that the networks do not know, for each model and laboratory."""
     assert len(found.kept) == 4
     assert all(share > 0.3 and good >= 0.9 for share, good in found.kept.values())
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.claims("lib/optional/uncertainty.c", "joint_error")
 def test_errors_of_joints_are_the_scripts(found: fit_body.Constants):
     rows = re.findall(r"^static const joint_error (\w+) = (.*);", text_of("uncertainty.c"), re.M)

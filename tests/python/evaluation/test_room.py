@@ -70,7 +70,7 @@ def test_rows_that_begin_alike_stand_together():
     ]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.claims("docs/where-in-the-room.md", "path", "focal")
 @pytest.mark.claims("docs/body.md", "held_bones")
 def test_the_tables_are_those_of_the_pages():
