@@ -51,9 +51,7 @@ SOME_LEVELS = [("gcc", "-O2 -march=native"), ("clang", "-O3"), *product(["gcc"],
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("compiler", "options"), long_but(SOME_LEVELS, product(COMPILERS, LEVELS))
-)
+@pytest.mark.parametrize(("compiler", "options"), long_but(SOME_LEVELS, product(COMPILERS, LEVELS)))
 def test_every_compiler_and_level_gives_the_same_bits(
     compiler: str, options: str, tmp_path: Path
 ) -> None:
@@ -81,16 +79,17 @@ ANOTHER_ARITHMETIC = [  # of floats than IEEE 754's
     "-funsafe-math-optimizations",
     "-freciprocal-math",
     "-fassociative-math -fno-signed-zeros -fno-trapping-math",
-    "-fsingle-precision-constant",
+    "-fsingle-precision-constant",  # changes nothing
     "-mfpmath=387",
 ]
+REFUSED = [options for options in ANOTHER_ARITHMETIC if "constant" not in options]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("compiler", "options"),
     long_but(
-        [("clang", UNSAFE), *product(["gcc"], ANOTHER_ARITHMETIC)],
+        [("clang", UNSAFE), *product(["gcc"], REFUSED)],
         product(COMPILERS, ANOTHER_ARITHMETIC),
     ),
 )

@@ -42,7 +42,7 @@ def expected(host: Path) -> dict[str, str]:
     return {v: run(host / "examples" / "firmware" / f"firmware_{v}") for v in VARIANTS}
 
 
-SOME_CORES = ["cortex-m0plus", "cortex-m4f", "cortex-m55", "rv32imc"]
+SOME_CORES = ["cortex-m0plus", "cortex-m55", "rv32imc"]
 
 
 @pytest.fixture(scope="module", params=long_but(SOME_CORES, TARGETS))
@@ -131,8 +131,8 @@ def test_fixed_point_has_no_float_code(core) -> None:
     assert len(found) >= 8, "the test sees what the float variant has"
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", long_but(["cortex-m0plus"], NO_FPU))
+@pytest.mark.long
+@pytest.mark.parametrize("name", NO_FPU)
 def test_fconv_in_fixed_point_has_no_float_code(name: str, tmp_path: Path) -> None:
     target = TARGETS[name]
     if name == "cortex-m0plus":  # its board is too small

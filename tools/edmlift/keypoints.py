@@ -14,6 +14,7 @@ from edmlift.joints import MIRROR
 
 MAX_PROPORTION = 10.0  # of the image's size, that a keypoint outside the image may have
 DETECTOR_THRESHOLD = 0.1  # the default for a detector's scores: docs/detectors.md says why
+_IN_CACHE = 1024  # poses: what a processor keeps at hand between two sums
 
 
 def adapt(
@@ -111,13 +112,17 @@ def _with_confidence(array: NDArray[np.float32], threshold: float) -> NDArray[np
     given = np.empty((*array.shape[:-1], 3), np.float32)
     given[..., 2] = 1
     given[..., : array.shape[-1]] = array
-    x, y, c = np.moveaxis(given, -1, 0)
-    nowhere = np.isnan(x) | np.isnan(y)
-    unseen = nowhere | ((x == y) & ((x == 0) | (x == -1)))
-    if array.shape[-1] == 3:
-        unseen |= ~(c > np.float32(threshold))
-    np.copyto(c, 0, where=unseen)
-    given[nowhere, :2] = 0
+    scored = array.shape[-1] == 3
+    for first in range(0, len(given), _IN_CACHE):
+        some = given[first : first + _IN_CACHE]
+        x, y, c = np.moveaxis(some, -1, 0).copy()  # each in a row, which is twice as fast
+        nowhere = np.isnan(x) | np.isnan(y)
+        unseen = nowhere | ((x == y) & ((x == 0) | (x == -1)))
+        if scored:
+            unseen |= ~(c > np.float32(threshold))
+        if unseen.any():
+            some[unseen, 2] = 0
+            some[nowhere, :2] = 0
     return given
 
 

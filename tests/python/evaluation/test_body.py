@@ -95,7 +95,7 @@ def tables() -> dict[str, str]:
     return body.evaluate(body.MODELS, motions)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.claims("docs/body.md", "sizes", "partial", "quality_distances", "quality_direct")
 @pytest.mark.claims("docs/body.md", "kept_distances", "kept_direct")
 def test_tables_are_those_of_the_page(tables: dict[str, str]):
@@ -117,7 +117,7 @@ def sets_of(text: str) -> list[str]:
     return text.split("**\n\n")[1:]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_knowing_the_person_helps(tables: dict[str, str]):
     for table in sets_of(tables["sizes"]):
         nothing = np.array(row_of(table, "nothing"))
@@ -125,7 +125,7 @@ def test_knowing_the_person_helps(tables: dict[str, str]):
         assert (np.array(row_of(table, body.MATRIX)) > row_of(table, "bones")).all()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("model", body.MODELS)
 def test_nine_of_ten_poses_above_nine_tenths_are_good(tables: dict[str, str], model: str):
     quality = sets_of(tables[f"quality_{model}"])

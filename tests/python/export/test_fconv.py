@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builds import long_but
 from support import ROOT, build_model, load_network
 
 from export import cli, fconv, quantise
@@ -58,7 +59,7 @@ def edms() -> np.ndarray:
     return (np.rint(edms * 4096) / 4096).astype(np.float32)
 
 
-@pytest.fixture(scope="module", params=WIDTHS)
+@pytest.fixture(scope="module", params=long_but(["small"], WIDTHS))
 def params(request: pytest.FixtureRequest) -> dict[str, np.ndarray]:
     """Trained arrays, of the paper's width and of others."""
     return trained(WIDTHS[request.param])

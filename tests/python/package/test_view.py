@@ -157,7 +157,7 @@ def test_poses_of_all_kinds(tmp_path: Path):
     assert data_of(out)["statuses"] == ["degenerate"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_hour_is_small(tmp_path: Path):
     """The sizes that the docstring and docs/view.md name."""
     empty, many, both = (tmp_path / f"{name}.html" for name in ("empty", "many", "both"))
@@ -713,7 +713,7 @@ def test_one_pose_has_no_time_line(page: Page, tmp_path: Path):
     assert not state(page)["playing"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_hour_opens(page: Page, tmp_path: Path):
     hour = np.arange(HOUR) % FRAMES
     status = np.where(np.arange(HOUR) % 5000 == 4999, "degenerate", "ok")

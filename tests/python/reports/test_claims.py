@@ -120,7 +120,7 @@ def ups(sets, library):
     }
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.claims("docs/accuracy.md", "up_distances", "up_direct")
 def test_what_up_gives_is_that_of_the_page(ups):
     for model, found in ups.items():
@@ -128,7 +128,7 @@ def test_what_up_gives_is_that_of_the_page(ups):
         assert markdown.read(ACCURACY, f"up_{model}") == text
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("model", accuracy.TAKE_UP)
 @pytest.mark.parametrize("name", [TEST, OTHERS_TEST])
 def test_up_helps_and_a_wrong_one_does_little_harm(ups, model, name):
@@ -223,7 +223,7 @@ def test_fixed_point_is_the_float_lift(forms, model):
 
 
 @pytest.mark.claims("docs/no-fpu.md", "operations")
-@pytest.mark.slow
+@pytest.mark.long
 def test_operations_are_those_of_the_table_and_none_overflows(people):
     counts = operations.count(people)
     assert counts["lifted"] > 80_000 and counts["overflows"] == counts["differences"] == 0

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from builds import long_but
 from motions import STANDING, people, write_motion
 from support import run_tool
 
@@ -234,7 +235,7 @@ def batch_forward(params, edm):
     return fconv.forward(params, edm, None, 0.0)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_fconvs_loss_falls():
     run = Run([people(100)], dataclasses.replace(SHORT, network="fconv"), 7)
     losses = [run.advance(run.draw(run.epoch)) for _ in range(4)]
@@ -274,7 +275,7 @@ def trained(folder: Path, recipe: str, *options: object) -> tuple[dict, dict, st
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", layout.KINDS)
+@pytest.mark.parametrize("kind", long_but(["distances"], layout.KINDS))
 def test_the_command_trains_an_equivariant_network(tmp_path, kind):
     written, arrays, printed = trained(tmp_path, kind)
     assert [file["subjects"] for file in written["data"]["files"]] == [[1, 2, 3]] * 2
