@@ -6,6 +6,7 @@ source is there if something that is there asks for what it defines.
 
 import argparse
 import difflib
+import errno
 import re
 import shlex
 import sys
@@ -310,6 +311,9 @@ def write(files: dict[str, str], folder: Path) -> None:
     with tempfile.TemporaryDirectory(dir=folder, prefix=".edmlift") as name:
         for file, text in files.items():
             (Path(name) / file).write_text(text, "utf-8", newline="\n")
+        for file in files:
+            if (folder / file).is_dir():  # which no file replaces
+                raise IsADirectoryError(errno.EISDIR, f"{file} is a directory")
         for file in files:
             (Path(name) / file).replace(folder / file)
 

@@ -17,6 +17,8 @@ from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from tqdm import tqdm
+
 from channels import wheel_checks
 from channels.amalgamation import amalgamate, known_models
 from channels.platforms import CACHE, PLATFORMS, Platform, compile_library, need_modules
@@ -47,7 +49,8 @@ def build_wheels(
     platforms = [PLATFORMS[name] for name in names]
     write_source(source)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        libraries = list(pool.map(lambda p: compile_library(p, source, cache), platforms))
+        compiled = pool.map(lambda p: compile_library(p, source, cache), platforms)
+        libraries = list(tqdm(compiled, "libraries", len(platforms), disable=None))
     return [
         build_wheel(folder, platform, library)
         for platform, library in zip(platforms, libraries, strict=True)

@@ -254,6 +254,14 @@ def test_a_folder_that_cannot_be_written_is_said(tmp_path: Path) -> None:
     assert said.stderr == f"tools/amalgamate: Cannot write into {file}: File exists.\n"
 
 
+@pytest.mark.slow
+def test_nothing_is_written_where_one_file_cannot_be(tmp_path: Path) -> None:
+    (tmp_path / "edmlift.c").mkdir()
+    with pytest.raises(AmalgamationError, match=r"Cannot write .*: edmlift.c is a directory\.$"):
+        amalgamate(["direct_w8"], ["float"], tmp_path)
+    assert [file.name for file in tmp_path.iterdir()] == ["edmlift.c"]
+
+
 # ---- The release ---------------------------------------------------------------------------------
 
 
