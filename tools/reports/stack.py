@@ -10,6 +10,7 @@ the deepest chain of calls, whether or not an input takes it; painting (reports.
 some took.
 """
 
+import os
 import re
 import sys
 import tempfile
@@ -166,6 +167,13 @@ def add_aliases(graph: Graph, symbols: str) -> None:
 # ---- Bounds ------------------------------------------------------------------------------------
 
 
+def compile_graph(target: Target, source: Path, to: Path) -> Graph:
+    """The functions of a source, which is compiled for a core."""
+    environment = os.environ | {"CCACHE_DISABLE": "1"}  # ccache keeps no .ci
+    run(*compiler(target, LEVEL), "-fcallgraph-info=su", "-c", source, "-o", to, env=environment)
+    return read_compiled(next(to.parent.glob(f"{to.stem}*.ci")).read_text("utf-8"))
+
+
 def read_graph(target: Target, folder: Path) -> Graph:
     """All functions of the library, compiled for a core, and those of the runtime that it calls."""
     objects = folder / "objects"
@@ -173,8 +181,7 @@ def read_graph(target: Target, folder: Path) -> Graph:
     graph: Graph = {}
     for source in (source for source in SMALL_SOURCES if not source.match("models/*")):
         to = objects / f"{source.parent.name}_{source.stem}.o"
-        run(*compiler(target, LEVEL), "-fcallgraph-info=su", "-c", source, "-o", to)
-        graph |= read_compiled(next(objects.glob(f"{to.stem}*.ci")).read_text("utf-8"))
+        graph |= compile_graph(target, source, to)
     image = folder / "all.elf"
     run(
         *compiler(target, LEVEL), "-nostartfiles", "-Wl,--entry=edml_lift,--no-gc-sections",

@@ -2,6 +2,7 @@
 
 import math
 import re
+from pathlib import Path
 
 import pytest
 from builds import long_but, need_cross_compiler
@@ -19,13 +20,22 @@ BENCH = 32  # bytes: the frame of a function of tests/targets/bench around the c
 
 @pytest.mark.claims("docs/stack.md", "stack")
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "core", long_but(["cortex-m0plus"], ["cortex-m0plus", "rv32imafc"])
-)
+@pytest.mark.parametrize("core", long_but(["cortex-m0plus"], ["cortex-m0plus", "rv32imafc"]))
 def test_the_page_has_the_bounds_of_the_call_graph(core: str):
     target = TARGETS[core]
     need_cross_compiler(target)
     stack.check({target.name: stack.measure_core(target)})
+
+
+def test_what_ccache_has_kept_is_compiled_for_its_calls(tmp_path: Path):
+    target = TARGETS["cortex-m0plus"]
+    need_cross_compiler(target)
+    for name in ("first", "again"):
+        (tmp_path / name).mkdir()
+        graph = stack.compile_graph(
+            target, ROOT / "lib" / "joints" / "joints.c", tmp_path / name / "x.o"
+        )
+        assert graph
 
 
 def test_the_page_has_each_core():
