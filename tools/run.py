@@ -2,7 +2,7 @@
 
     python tools/run.py                                    lists them
     python tools/run.py data.mocap FOLDER --out FILE.npz   tools/data/mocap.py
-    python tools/run.py fitting.adapters --help
+    python tools/run.py channels.browser.npm FOLDER
 """
 
 import ast
@@ -18,11 +18,11 @@ FOLDERS = ("data", "fitting", "reports", "experiments", "channels", "fuzzing", "
 def programs() -> dict[str, str]:
     """First line of the docstring of each module that has a main(), by its name."""
     found = {}
-    for path in sorted(p for folder in FOLDERS for p in (TOOLS / folder).glob("*.py")):
+    for path in sorted(p for folder in FOLDERS for p in (TOOLS / folder).rglob("*.py")):
         tree = ast.parse(path.read_text("utf-8"))
         if any(isinstance(node, ast.FunctionDef) and node.name == "main" for node in tree.body):
             about = (ast.get_docstring(tree) or "").partition("\n")[0]
-            found[f"{path.parent.name}.{path.stem}"] = about
+            found[".".join(path.relative_to(TOOLS).with_suffix("").parts)] = about
     return found
 
 

@@ -32,12 +32,13 @@ class ReleaseError(Exception):
 
 
 def channels() -> dict[str, ModuleType]:
-    """The modules of this folder with a build() of their own, by name."""
-    names = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem != "__init__")
-    others = {Path(__file__).stem}
-    modules = {name: importlib.import_module(f"channels.{name}") for name in set(names) - others}
-    own = {n: m for n, m in modules.items() if _module_of(getattr(m, "build", None)) == m.__name__}
-    return dict(sorted(own.items()))
+    """The modules of the folders beside this with a build() of their own, by name."""
+    paths = {path.stem: path for path in FOLDER.glob("*/*.py")}
+    modules = {
+        name: importlib.import_module(f"channels.{path.parent.name}.{name}")
+        for name, path in sorted(paths.items())
+    }
+    return {n: m for n, m in modules.items() if _module_of(getattr(m, "build", None)) == m.__name__}
 
 
 def _module_of(function: object) -> str | None:

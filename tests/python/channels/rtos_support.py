@@ -7,8 +7,8 @@ import numpy as np
 from support import ROOT, need_library
 
 import edmlift
-from channels import rtos
-from channels.stand_ins import Project
+from channels.firmware import rtos
+from channels.firmware.stand_ins import Project
 from reports import markdown
 
 BITS = (ROOT / "tests" / "bits.txt").read_text("utf-8").splitlines(keepends=True)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from support import ROOT, need_library
 
 import edmlift
-from channels import arduino, arduino_costs, boards
+from channels.firmware import arduino, arduino_costs, boards
 from reports import markdown
 from reports.targets import TARGETS, ToolError, emulate, run
 
@@ -39,7 +39,7 @@ def snippet(language: str, begins: str) -> str:
 
 
 def test_src_holds_includes_of_all_that_is_compiled_and_no_more() -> None:
-    """`tools/run.py channels.arduino` writes it."""
+    """`tools/run.py channels.firmware.arduino` writes it."""
     assert arduino.files_below(arduino.SRC) == arduino.sources()
 
 

@@ -3,8 +3,8 @@
 import pytest
 from support import ROOT
 
-from channels.c_text import declaration_of, is_prototype, items, text_of, tokens_of
-from channels.inlining import Word, renamed
+from channels.amalgamation.c_text import declaration_of, is_prototype, items, text_of, tokens_of
+from channels.amalgamation.inlining import Word, renamed
 
 FILES = [*(ROOT / "lib").rglob("*.[ch]"), *(ROOT / "include").rglob("*.h")]
 

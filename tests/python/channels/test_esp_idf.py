@@ -10,8 +10,8 @@ from idf_component_tools.manager import ManifestManager, UploadMode
 from rtos_support import DIRECT_BITS, check_page, pose_of
 from support import ROOT
 
-from channels import esp_idf
-from channels.stand_ins import Chip, Project
+from channels.firmware import esp_idf
+from channels.firmware.stand_ins import Chip, Project
 from channels.version import version
 from reports.targets import ToolError, run
 

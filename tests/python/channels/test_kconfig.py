@@ -7,7 +7,7 @@ import kconfiglib
 import pytest
 from support import ROOT
 
-from channels.stand_ins import MODELS, STAND_INS, write_configuration
+from channels.firmware.stand_ins import MODELS, STAND_INS, write_configuration
 from data.paths import DOCS, LIB
 from reports import markdown
 from reports.size import parse

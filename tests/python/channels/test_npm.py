@@ -17,7 +17,7 @@ from builds import need
 from support import EXAMPLES, ROOT, need_library
 
 import edmlift
-from channels import npm, npm_figures
+from channels.browser import npm, npm_figures
 from channels.version import version
 from edmlift import _binding
 from edmlift.formats import BY_IMAGE, BY_SQUARE, NOT_NORMALISED, find_format

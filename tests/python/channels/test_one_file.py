@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from builds import need, need_cross_compiler, run_firmware
 
-from channels import one_file, one_file_sizes
-from channels.amalgamation import AmalgamationError, amalgamate, choose, known_parts
+from channels.amalgamation import one_file, one_file_sizes
+from channels.amalgamation.amalgamate import AmalgamationError, amalgamate, choose, known_parts
 from channels.version import version
 from data.paths import LIB
 from reports import markdown

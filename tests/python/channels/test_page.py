@@ -20,11 +20,11 @@ import pytest
 from support import EXAMPLES, ROOT, need_library
 
 import edmlift
-from channels import page as pages
-from channels import web
-from channels.detectors import DETECTORS, packages_of
-from channels.npm_packages import Package, install, is_there
-from channels.static_server import POLICY, make_server
+from channels.browser import page as pages
+from channels.browser import web
+from channels.browser.detectors import DETECTORS, packages_of
+from channels.browser.npm_packages import Package, install, is_there
+from channels.browser.static_server import POLICY, make_server
 from channels.version import version
 from data import crops
 from data.videos import CLIPS, find_wheel
@@ -792,7 +792,7 @@ def fits(page: Page, size: tuple[int, int]) -> None:
 
 
 def run_web(*options: object, **settings: Any) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "channels.web", *map(str, options)]
+    command = [sys.executable, "-m", "channels.browser.web", *map(str, options)]
     return subprocess.run(
         command, cwd=ROOT / "tools", capture_output=True, text=True, timeout=300, **settings
     )
@@ -860,7 +860,7 @@ def test_other_bytes_are_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     package = packages_of(DETECTORS.values())[0]
     archive = tmp_path / "x.tgz"
     archive.write_bytes(b"other")
-    monkeypatch.setattr("channels.npm_packages._download", lambda *_: archive)
+    monkeypatch.setattr("channels.browser.npm_packages._download", lambda *_: archive)
     with pytest.raises(ToolError, match="other bytes"):
         install(package, tmp_path / "packages")
     assert not (tmp_path / "packages").exists()

@@ -106,7 +106,7 @@ def test_each_channel_says_what_it_is():
 
 def test_the_page_has_the_names_of_the_files():
     """As the channels write them, and other pages say them; V or VERSION is the version."""
-    sources = "".join(p.read_text("utf-8") for p in (ROOT / "tools" / "channels").glob("*.py"))
+    sources = "".join(p.read_text("utf-8") for p in (ROOT / "tools" / "channels").rglob("*.py"))
     named = set(re.findall(r"^\| `(edmlift-.+?)` \|", PAGE, re.M))
     assert len(named) == 8
     for name in named - {"edmlift-V.tar.gz", "edmlift-V-py3-none-PLATFORM.whl"}:  # Python's own

@@ -17,8 +17,8 @@ from builds import long_but, need
 from support import EXAMPLES, ROOT, need_library, read_joints
 
 import edmlift
-from channels import wheel_checks, wheels
-from channels.platforms import PLATFORMS
+from channels.python import wheel_checks, wheels
+from channels.python.platforms import PLATFORMS
 from channels.version import version
 from edmlift.library import Library
 from reports.targets import ToolError, run
@@ -200,8 +200,8 @@ def test_pip_compiles_the_sdist_to_the_same_package(wheel: Path, sdist: Path, tm
 
 
 def test_a_platform_that_is_not_known(tmp_path: Path):
-    command = [sys.executable, ROOT / "tools" / "run.py", "channels.wheels", tmp_path, "amiga"]
-    done = subprocess.run(command, capture_output=True, text=True)
+    program = [sys.executable, ROOT / "tools" / "run.py", "channels.python.wheels"]
+    done = subprocess.run([*program, tmp_path, "amiga"], capture_output=True, text=True)
     assert done.returncode != 0
     assert "no platform amiga; there are linux_x86_64, " in done.stderr
 

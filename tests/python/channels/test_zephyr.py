@@ -8,8 +8,8 @@ from builds import need, need_core
 from rtos_support import DIRECT_BITS, check_page, pose_of
 from support import ROOT
 
-from channels import zephyr
-from channels.stand_ins import Chip, Project
+from channels.firmware import zephyr
+from channels.firmware.stand_ins import Chip, Project
 
 pytestmark = pytest.mark.slow
 MAIN = zephyr.SAMPLE / "src" / "main.c"

@@ -254,9 +254,7 @@ def test_what_must_hold_of_a_detectors_keypoints(name):
 @pytest.mark.parametrize(
     "name, source",
     [
-        pytest.param(
-            "video15", TEST, marks=[pytest.mark.long, claims("docs/video.md", "video15")]
-        ),
+        pytest.param("video15", TEST, marks=[pytest.mark.long, claims("docs/video.md", "video15")]),
         pytest.param("video30", "cmu_raw/subjects/02", marks=claims("docs/video.md", "video30")),
     ],
 )

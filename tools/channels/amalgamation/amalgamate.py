@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from channels.c_text import (
+from channels.amalgamation.c_text import (
     Token,
     declaration_of,
     directive_of,
@@ -26,7 +26,7 @@ from channels.c_text import (
     read_tokens,
     text_of,
 )
-from channels.inlining import (
+from channels.amalgamation.inlining import (
     FORMS,
     INCLUDE,
     Inliner,
@@ -36,7 +36,7 @@ from channels.inlining import (
     renamed,
     speaks_words,
 )
-from channels.prototypes import kept_declarations, without_prototypes
+from channels.amalgamation.prototypes import kept_declarations, without_prototypes
 from channels.version import version
 from data.paths import GEN, LIB, ROOT
 

@@ -1,6 +1,6 @@
 """What the Arduino example costs on makers' boards: flash, RAM and milliseconds, as Markdown.
 
-    run.py channels.arduino_costs [--update docs/arduino.md]
+    run.py channels.firmware.arduino_costs [--update docs/arduino.md]
 
 Flash and RAM are those of the image that arduino-builder makes.  The milliseconds are about: the
 instructions of docs/costs.md at 1 to 1.6 cycles each (reports/cycles.py says why).
@@ -12,8 +12,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from channels.arduino import EXAMPLE
-from channels.boards import build_by_arduino
+from channels.firmware.arduino import EXAMPLE
+from channels.firmware.boards import build_by_arduino
 from data.paths import ROOT
 from reports import markdown
 from reports.cycles import about

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from channels.c_text import (
+from channels.amalgamation.c_text import (
     Token,
     declaration_of,
     is_code,

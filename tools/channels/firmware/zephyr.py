@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from channels.stand_ins import STAND_INS, Chip, Project, build_project, write_configuration
+from channels.firmware.stand_ins import STAND_INS, Chip, Project, build_project, write_configuration
 from data.paths import ROOT
 
 CHIPS = (Chip("nRF52840", "cortex-m4f", 64), Chip("STM32F103", "cortex-m3", 72))

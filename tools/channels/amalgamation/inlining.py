@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
-from channels.c_text import (
+from channels.amalgamation.c_text import (
     Token,
     declaration_of,
     directive_of,

@@ -11,11 +11,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from time import monotonic
 
-from channels.detectors import DETECTORS, Detector, packages_of
-from channels.npm import package_files
-from channels.npm_packages import install, is_there
-from channels.page import build_page, loaded_bytes
-from channels.static_server import Server, make_server
+from channels.browser.detectors import DETECTORS, Detector, packages_of
+from channels.browser.npm import package_files
+from channels.browser.npm_packages import install, is_there
+from channels.browser.page import build_page, loaded_bytes
+from channels.browser.static_server import Server, make_server
 from data.paths import ROOT
 from reports.targets import ToolError
 

@@ -6,7 +6,7 @@ import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from channels.amalgamation import amalgamate, known_models
+from channels.amalgamation.amalgamate import amalgamate, known_models
 from channels.archives import write_zip
 from channels.version import version
 from data.paths import DOCS, ROOT

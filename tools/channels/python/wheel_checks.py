@@ -18,7 +18,7 @@ from pathlib import Path
 
 import lief
 
-from channels.platforms import PLATFORMS, Platform, zig
+from channels.python.platforms import PLATFORMS, Platform, zig
 from data.paths import ROOT
 from reports.targets import INCLUDES, ToolError, run
 

@@ -1,6 +1,6 @@
 """The Python package: its source distribution, and a wheel a platform with the compiled library.
 
-    python tools/run.py channels.wheels FOLDER [PLATFORM...]      all platforms without one
+    python tools/run.py channels.python.wheels FOLDER [PLATFORM...]      all platforms without one
 
 zig compiles the one file of all models for each platform.  On Linux and Windows the library needs
 no other, not even a C library, so that one wheel serves glibc and musl.  scikit-build-core writes
@@ -19,9 +19,9 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from channels import wheel_checks
-from channels.amalgamation import amalgamate, known_models
-from channels.platforms import CACHE, PLATFORMS, Platform, compile_library, need_modules
+from channels.amalgamation.amalgamate import amalgamate, known_models
+from channels.python import wheel_checks
+from channels.python.platforms import CACHE, PLATFORMS, Platform, compile_library, need_modules
 from data.paths import ROOT
 from reports.targets import ToolError, run
 
@@ -117,7 +117,7 @@ def main() -> int:
     try:
         made = build_wheels(options.folder, options.platforms or PLATFORMS)
     except ToolError as error:
-        print(f"channels.wheels: {error}", file=sys.stderr)
+        print(f"channels.python.wheels: {error}", file=sys.stderr)
         return 1
     for wheel in made:
         print(wheel)

@@ -1,6 +1,6 @@
 """The npm package: the library as WebAssembly, a file a model, with SIMD and without.
 
-    python tools/run.py channels.npm build/npm      what is in the package, in a folder
+    python tools/run.py channels.browser.npm build/npm      what is in the package, in a folder
 
 It needs clang and wasm-ld.  index.js takes the files with SIMD where the engine has it.
 """
@@ -13,7 +13,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from channels.amalgamation import amalgamate
+from channels.amalgamation.amalgamate import amalgamate
 from channels.archives import write_tar
 from channels.version import version
 from data.paths import DOCS, ROOT
@@ -106,7 +106,7 @@ def main() -> int:
     try:
         write_package(folder)
     except ToolError as error:
-        print(f"channels.npm: {error}", file=sys.stderr)
+        print(f"channels.browser.npm: {error}", file=sys.stderr)
         return 1
     print(f"{folder}: the npm package {version()}")
     return 0

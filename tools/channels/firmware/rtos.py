@@ -1,7 +1,7 @@
 """What the examples of ESP-IDF and Zephyr print and take of a chip, as Markdown.
 
-    run.py channels.rtos             prints it
-    run.py channels.rtos --update    writes it to docs/esp-idf.md and docs/zephyr.md
+    run.py channels.firmware.rtos             prints it
+    run.py channels.firmware.rtos --update    writes it to docs/esp-idf.md and docs/zephyr.md
 
 They are built with what stands for these systems (tests/channels) and run in QEMU.
 """
@@ -11,8 +11,8 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from channels import esp_idf, zephyr
-from channels.stand_ins import Project
+from channels.firmware import esp_idf, zephyr
+from channels.firmware.stand_ins import Project
 from data.paths import DOCS
 from reports import markdown
 from reports.command import Table, run_report

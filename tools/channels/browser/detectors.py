@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from channels.npm_packages import Package
+from channels.browser.npm_packages import Package
 
 LICENCES = "LICENCES.txt"
 

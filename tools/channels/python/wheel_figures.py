@@ -1,7 +1,7 @@
 """How fast the Python package lifts: thousands of poses a second, as Markdown.
 
-    run.py channels.wheel_figures            prints both tables
-    run.py channels.wheel_figures --update   writes those of docs/python.md
+    run.py channels.python.wheel_figures            prints both tables
+    run.py channels.python.wheel_figures --update   writes those of docs/python.md
 
 The library is that of this machine's wheel.  On one core it is the processor's time that counts, on
 all of them the clock's; the best of some rounds, because other programs run as well.
@@ -22,9 +22,9 @@ from pathlib import Path
 import numpy as np
 
 import edmlift
-from channels.platforms import PLATFORMS, Platform, compile_library
-from channels.wheel_checks import host
-from channels.wheels import SOURCE, write_source
+from channels.python.platforms import PLATFORMS, Platform, compile_library
+from channels.python.wheel_checks import host
+from channels.python.wheels import SOURCE, write_source
 from data.paths import DOCS, EXAMPLES
 from edmlift._binding import POSE, load, pointer
 from edmlift.networks import find_model
@@ -137,7 +137,7 @@ def main() -> int:
     try:
         found = tables()
     except ToolError as error:
-        print(f"channels.wheel_figures: {error}", file=sys.stderr)
+        print(f"channels.python.wheel_figures: {error}", file=sys.stderr)
         return 1
     for name, text in found.items():
         if update:

@@ -6,9 +6,9 @@ import tempfile
 import threading
 from pathlib import Path
 
-from channels.npm import package_files
-from channels.page import build_page
-from channels.static_server import make_server
+from channels.browser.npm import package_files
+from channels.browser.page import build_page
+from channels.browser.static_server import make_server
 from reports.browser import Page, find_browser
 from reports.page_picture import SIZE, save
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import yaml
 
 from channels.archives import write_tar
-from channels.stand_ins import STAND_INS, Chip, Project, build_project, write_configuration
+from channels.firmware.stand_ins import STAND_INS, Chip, Project, build_project, write_configuration
 from channels.version import version
 from data.paths import ROOT
 

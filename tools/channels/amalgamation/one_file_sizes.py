@@ -1,7 +1,7 @@
 """What the library as one file takes: bytes of text, and of flash beside the library, as Markdown.
 
-    run.py channels.one_file_sizes             prints the table of docs/one-file.md
-    run.py channels.one_file_sizes --update    writes it
+    run.py channels.amalgamation.one_file_sizes             prints the table of docs/one-file.md
+    run.py channels.amalgamation.one_file_sizes --update    writes it
 
 Flash is what a program links that does nothing but lift, code and weights, by gcc -Os.
 """
@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from channels.amalgamation import amalgamate, choose
+from channels.amalgamation.amalgamate import amalgamate, choose
 from data.paths import DOCS
 from reports.command import Table, run_report
 from reports.size import BENCH, LEVEL, Row, to_table

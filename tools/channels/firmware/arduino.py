@@ -1,6 +1,6 @@
 """The library for Arduino and PlatformIO: src/, and the packages of a release.
 
-    run.py channels.arduino      writes src/
+    run.py channels.firmware.arduino      writes src/
 
 Arduino compiles all that is below src/, and searches no other folder for headers.  So a source of
 lib/ has a file there that includes it, and so does a header of include/.  The names are unlike each
@@ -16,7 +16,7 @@ import tempfile
 from pathlib import Path
 
 from channels.archives import write_tar, write_zip
-from channels.boards import build_by_arduino, build_by_platformio
+from channels.firmware.boards import build_by_arduino, build_by_platformio
 from channels.version import version
 from data.paths import ROOT
 from reports.targets import SMALL_SOURCES, SOURCES, TARGETS, ToolError, emulate, object_name

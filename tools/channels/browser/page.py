@@ -1,6 +1,6 @@
 """The page that lifts what a camera, a video or a dragged skeleton shows, in the browser.
 
-    python tools/run.py channels.page build/page      the page without a detector, in a folder
+    python tools/run.py channels.browser.page build/page   the page without a detector
 
 Any server can serve the folder.  `tools/web` builds one with detectors, and serves it
 (docs/browser.md).  What the page is made of is in tools/page; what `edmlift view` has as well, in
@@ -18,8 +18,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from channels.archives import write_zip
-from channels.detectors import LICENCES, Detector, licences
-from channels.npm import package_files
+from channels.browser.detectors import LICENCES, Detector, licences
+from channels.browser.npm import package_files
 from channels.version import version
 from data.paths import ROOT
 from reports.targets import ToolError
@@ -132,7 +132,7 @@ def main() -> int:
         with tempfile.TemporaryDirectory() as temporary:
             build_page(folder, package_files(Path(temporary)))
     except ToolError as error:
-        print(f"channels.page: {error}", file=sys.stderr)
+        print(f"channels.browser.page: {error}", file=sys.stderr)
         return 1
     print(f"{folder}: the page, {loaded_bytes(folder)[0] / 1000:.0f} KB to load")
     return 0

@@ -1,7 +1,7 @@
 """What a page loads, and how fast it lifts: bytes and poses a second of each model, as Markdown.
 
-    run.py channels.npm_figures            prints a row a model
-    run.py channels.npm_figures --update   writes the table of docs/browser.md
+    run.py channels.browser.npm_figures            prints a row a model
+    run.py channels.browser.npm_figures --update   writes the table of docs/browser.md
 
 Poses a second are those of Node.js on one core of this machine, by the processor's time; medians.
 """
@@ -13,7 +13,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from channels.npm import MODELS, NPM, PAGE, VARIANTS, write_package
+from channels.browser.npm import MODELS, NPM, PAGE, VARIANTS, write_package
 from data.paths import EXAMPLES
 from reports import markdown
 from reports.targets import ToolError, run
@@ -61,7 +61,7 @@ def main() -> int:
     try:
         text = table()
     except ToolError as error:
-        print(f"channels.npm_figures: {error}", file=sys.stderr)
+        print(f"channels.browser.npm_figures: {error}", file=sys.stderr)
         return 1
     if update:
         markdown.write(PAGE, NAME, text)

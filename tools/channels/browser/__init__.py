@@ -1,0 +1,1 @@
+"""The npm package, and the page that lifts in the browser."""

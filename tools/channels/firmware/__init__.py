@@ -1,0 +1,1 @@
+"""Packages of what microcontrollers are programmed with: Arduino, PlatformIO, ESP-IDF, Zephyr."""

@@ -1,0 +1,1 @@
+"""The source distribution and the wheels."""
