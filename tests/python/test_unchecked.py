@@ -53,8 +53,9 @@ def test_what_is_claimed_is_there():
 def run(*arguments: object, **environment: str) -> subprocess.CompletedProcess:
     """pytest of a process of its own, whose worker runs the tests, as in tools/check."""
     command = [sys.executable, "-m", "pytest", "-q", "-n", "1", *map(str, arguments)]
+    inherited = {name: text for name, text in os.environ.items() if name != "PYTEST_ADDOPTS"}
     return subprocess.run(
-        command, cwd=ROOT, env=os.environ | environment, capture_output=True, text=True
+        command, cwd=ROOT, env=inherited | environment, capture_output=True, text=True
     )
 
 
