@@ -288,11 +288,9 @@ def to_poses(
     unit: float,
 ) -> Poses:
     """C's poses, in metres, NaN where one has a status."""
-    joints, misfit = (
-        np.multiply(poses[name], np.float32(unit)).astype(np.float32, copy=False)
-        for name in ("joint", "misfit")
-    )
+    joints, misfit = (poses[name].astype(np.float32) for name in ("joint", "misfit"))
     for array in (joints, misfit):
+        array *= np.float32(unit)
         array[status != OK] = np.nan
     return Poses(joints, misfit, status_names(model.c, status), keypoints[..., 2] > 0, keypoints)
 
