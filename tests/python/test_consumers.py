@@ -116,6 +116,7 @@ def test_flags_that_let_nan_through_do_not_compile(cc: str, flag: str, tmp_path:
         run(cc, "-std=c99", flag, "-w", *INCLUDES, "-c", source, "-o", out)
 
 
+@pytest.mark.slow
 def test_vendored_with_a_makefile(tmp_path: Path) -> None:
     need("make", "cc")
     for folder in ("include", "lib"):

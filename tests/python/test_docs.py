@@ -142,6 +142,7 @@ def test_every_block_of_c_is_a_program_of_the_examples(page: Path) -> None:
         assert block in programs.values(), block.partition("\n")[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_a_page_shows_the_program_and_what_it_prints(name: str, printed: dict[str, str]) -> None:
     source = (ROOT / "examples" / f"{name}.c").read_text("utf-8")
@@ -151,6 +152,7 @@ def test_a_page_shows_the_program_and_what_it_prints(name: str, printed: dict[st
         assert printed[name] in blocks(page, ""), f"{name_of(page)}: it prints\n{printed[name]}"
 
 
+@pytest.mark.slow
 def test_first_pose_shows_the_beginning_of_what_is_printed(printed: dict[str, str]) -> None:
     shown = blocks(ROOT / "docs" / "first-pose.md", "")
     for name in ("lift", "fixed"):

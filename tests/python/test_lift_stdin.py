@@ -761,6 +761,7 @@ def broken_json(count: int) -> list[bytes]:
     return [line for line in lines if not re.match(rb"[ \t\r]*(#|$)", line)]
 
 
+@pytest.mark.slow
 def test_400_texts_of_broken_json():
     """Bad if and only if Python says so."""
     lines = broken_json(400)

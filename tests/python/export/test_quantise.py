@@ -321,6 +321,7 @@ int main(void)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_the_library_computes_the_network(folder, layers, calibration, edms, form):
     export(folder, form)
