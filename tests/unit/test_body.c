@@ -168,6 +168,16 @@ static void measures_of_two_people_are_refused(void)
     check_refused(EDML_ERR_BODY);
 }
 
+static void a_bone_of_nobody_is_refused(void)
+{
+    rng r = rng_seed(135);
+    for (int n = 0; n < EDML_BONES; n++) {
+        someone(&r);
+        body.bone[n] = 2;
+        check_refused(EDML_ERR_BODY);
+    }
+}
+
 static void a_pose_that_is_none_is_refused(void)
 {
     rng r = rng_seed(136);
@@ -660,6 +670,7 @@ int main(void)
     RUN_TEST(with_a_height_too_the_other_bones_are_scaled);
     RUN_TEST(absurd_measures_are_refused);
     RUN_TEST(measures_of_two_people_are_refused);
+    RUN_TEST(a_bone_of_nobody_is_refused);
     RUN_TEST(a_pose_that_is_none_is_refused);
     RUN_TEST(a_pose_of_quite_another_size_is_refused);
     RUN_TEST(a_sound_pose_has_a_high_quality);

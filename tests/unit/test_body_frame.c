@@ -577,6 +577,38 @@ static void points_nearly_on_a_line_are_refused_and_a_narrow_person_is_not(void)
     }
 }
 
+/* A joint beside a line of the others, at which the determinant of the spread is 2^-14 of its trace's square. */
+static double thinness(int joint, double aside)
+{
+    double u = 0, v = 0, uu = 0, uv = 0, vv = 0;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        const double du = (j == joint) * aside - aside / EDML_JOINTS, dv = j - (EDML_JOINTS - 1) / 2.0;
+        u += du;
+        v += dv;
+        uu += du * du;
+        uv += du * dv;
+        vv += dv * dv;
+    }
+    TEST_ASSERT_TRUE(fabs(u) < 1e-9 && fabs(v) < 1e-9);
+    return (uu * vv - uv * uv) / ((uu + vv) * (uu + vv));
+}
+
+static void a_joint_beside_a_line_counts_by_how_far_it_is(void)
+{
+    for (int joint = 0; joint < EDML_JOINTS; joint++) {
+        double aside = 0.01; /* of the way from joint to joint */
+        while (thinness(joint, aside) < ldexp(1, -14)) aside *= 1.001;
+        for (int outside = 0; outside < 2; outside++) {
+            for (int j = 0; j < EDML_JOINTS; j++) {
+                in[j].x = 320 + 32 * (float)((j == joint) * aside * (outside ? 1.02 : 0.98));
+                in[j].y = (float)(100 + 32 * j);
+                in[j].c = 1;
+            }
+            TEST_ASSERT_EQUAL_INT(outside ? EDML_OK : EDML_ERR_DEGENERATE, run_upright(&image));
+        }
+    }
+}
+
 static void a_flat_and_wide_person_is_framed(void)
 {
     someone();
@@ -696,6 +728,7 @@ int main(void)
     RUN_TEST(a_joint_alone_is_refused);
     RUN_TEST(points_on_a_line_are_refused);
     RUN_TEST(points_nearly_on_a_line_are_refused_and_a_narrow_person_is_not);
+    RUN_TEST(a_joint_beside_a_line_counts_by_how_far_it_is);
     RUN_TEST(a_flat_and_wide_person_is_framed);
 #ifndef EDML_TEST_Q24
     RUN_TEST(a_person_lost_in_the_rounding_of_far_coordinates_is_refused);

@@ -138,6 +138,17 @@ static void halves_go_away_from_zero(void)
 
 /* ---- real_q24.h ------------------------------------------------------------------------------------- */
 
+static void quotients_of_16_bits_are_off_by_what_the_header_says(void)
+{
+    rng r = rng_seed(67);
+    for (int n = 0; n < 200000; n++) {
+        const int32_t a = (int32_t)(rng_bits(&r) >> 9); /* < 1/2 */
+        const int32_t b = (1 << 23) + (int32_t)(rng_bits(&r) >> (6 + n % 18)); /* to 4.5 */
+        const double x = ldexp(a, -24), y = ldexp(b, -24);
+        TEST_ASSERT_TRUE(fabs(ldexp(divide_q16(a, b), -24) - x / y) <= ldexp(1 + x / (y * y), -17));
+    }
+}
+
 static void rates_end_at_64_a_second(void)
 {
     static const int32_t end = (1 << 30) - 1;
@@ -187,6 +198,7 @@ int main(void)
     RUN_TEST(ratios_of_random_numbers_of_every_size);
     RUN_TEST(ratios_at_the_ends);
     RUN_TEST(halves_go_away_from_zero);
+    RUN_TEST(quotients_of_16_bits_are_off_by_what_the_header_says);
     RUN_TEST(rates_end_at_64_a_second);
     RUN_TEST(shifts_are_products_by_powers_of_two);
     RUN_TEST(the_largest_number_is_normalised_to_a_half_up_to_one);

@@ -296,9 +296,11 @@ static void a_placement_that_is_none_is_refused(void)
         place_at(point_of(0, 0, 4));
         placement.translation.x = wrong[n];
         expect(EDML_ERR_NOT_FINITE, time);
-        place_at(point_of(0, 0, 4));
-        placement.joint[n].z = wrong[n];
-        expect(EDML_ERR_NOT_FINITE, time);
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            place_at(point_of(0, 0, 4));
+            placement.joint[j].z = wrong[n];
+            expect(EDML_ERR_NOT_FINITE, time);
+        }
     }
     place_at(point_of(0, 0, 101));
     expect(EDML_ERR_CAMERA, time);
