@@ -24,6 +24,7 @@ from tqdm import tqdm
 from data.archives import load_npz, one_line
 from data.cmu import SETS, Trials
 from edmlift.joints import INDEX, JOINTS, indices, mid_hip
+from edmlift.messages import OneLineError
 
 LARGEST = 1 << 30  # bytes of the arrays of an .npz: six million poses
 AMC_FPS = 120.0  # CMU's rate; an AMC file does not say
@@ -90,7 +91,7 @@ T_POSE_DEGREES = 15.0  # limbs of a T-pose are straight, its arms level, to with
 FAST_MARGIN = 0.1  # seconds dropped on both sides of an impossible speed
 
 
-class MocapError(ValueError):
+class MocapError(OneLineError, ValueError):
     """A file that cannot be used; the message names the file and, for a text file, the line."""
 
 
@@ -723,6 +724,8 @@ def _check_types(path: Path, data: dict[str, np.ndarray]) -> None:
         kinds = TYPES.get(key, ("numbers", array.dtype.kind))
         if array.dtype.kind not in kinds[1] or (key in ("up", "unit") and array.shape != ()):
             raise MocapError(f"{path}: {key} is of type {array.dtype}, must be {kinds[0]}")
+        if key == "action_names" and array.ndim != 1:
+            raise MocapError(f"{path}: action_names has {array.ndim} dimensions, not one")
 
 
 def _check_names(path: Path, names: np.ndarray) -> None:

@@ -13,6 +13,7 @@ from edmlift.formats import BY_IMAGE, BY_SQUARE, find_format
 from edmlift.json_values import Value, read_values
 from edmlift.keypoint_sets import count_of, read_set
 from edmlift.keypoints import look_like_pixels
+from edmlift.messages import OneLineError
 from edmlift.people import Frame, Person, find_frames, is_one_person
 
 JSON_SUFFIXES = (".jsonl", ".ndjson", ".json")
@@ -22,7 +23,7 @@ PIXELS = "keypoints of this format are normalised, 0 to 1; these look like pixel
 ANSWERS = ("status", "joints", "misfit")
 
 
-class FileError(ValueError):
+class FileError(OneLineError, ValueError):
     """A file that does not hold what it should: its name, the line, and what is wrong with it."""
 
 

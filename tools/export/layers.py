@@ -6,10 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from edmlift.messages import OneLineError
 from model.constants import MAX_UNITS, PAIR_COUNT
 
 
-class ExportError(Exception):
+class ExportError(OneLineError):
     """What is wrong with the weights or the manifest, in one line."""
 
 

@@ -569,6 +569,8 @@ def with_nan() -> np.ndarray:
         ({"joints": standing(3).astype(str)}, "joints is of type <U32, must be numbers"),
         ({"subject": np.zeros(3, "M8[s]")}, r"subject is of type datetime64\[s\], must be numbers"),
         ({"action_names": np.arange(3)}, "action_names is of type int64, must be text"),
+        ({"action_names": np.array("walk")}, "action_names has 0 dimensions, not one"),
+        ({"unit": "m\nm"}, "unit is 'm m', must be 'm'$"),
         ({"unit": np.array(["m"])}, "unit is of type <U1, must be text"),
         (
             {key: np.zeros(0, int) for key in ("subject", "trial", "frame")}

@@ -786,6 +786,11 @@ def skipping(nodes: list) -> list:
     return nodes
 
 
+def on_two_lines(nodes: list) -> list:
+    nodes[4].output[0] = "y\n2"
+    return skipping(nodes)
+
+
 def variable(nodes: list) -> list:
     nodes[2].input[1] = "nowhere"
     return nodes
@@ -799,6 +804,7 @@ def variable(nodes: list) -> list:
         (no_bias, "layer 1: bias is missing"),
         (scaled, "unsupported alpha 0.5 in Gemm y1"),
         (skipping, "Gemm of y2 does not follow on z1"),
+        (on_two_lines, "Gemm of y 2 does not follow on z1"),
         (variable, "Gemm of y1: nowhere is not a constant"),
     ],
 )
