@@ -3,6 +3,7 @@ taken, and nothing but arrays of plain numbers and text is made of them."""
 
 import io
 import math
+import sys
 import zipfile
 from collections.abc import Iterable
 from pathlib import Path
@@ -80,6 +81,10 @@ def npy_array(data: bytes) -> NDArray[Any]:
     """The array of an .npy file, which may not hold objects."""
     shape, by_column, dtype, start = npy_header(data)
     values = np.frombuffer(data, dtype, math.prod(shape), start)
+    if dtype.kind == "U" and values.nbytes:
+        codes = values.view(np.dtype("u4").newbyteorder(dtype.byteorder))
+        if codes.max() > sys.maxunicode:  # Python would make strings of them that it cannot read
+            raise ArchiveError(f"text with the code {codes.max():#x}, which is of no letter")
     return values.reshape(shape, order="F" if by_column else "C")
 
 

@@ -88,6 +88,7 @@ TYPES |= dict.fromkeys(("joint_names", "action_names", "up", "unit"), ("text", "
 STATURE = 1.6  # metres, head to ankle of an adult ...
 STATURE_RANGE = (0.8, 2.6)  # ... and what may still be a person
 T_POSE_DEGREES = 15.0  # limbs of a T-pose are straight, its arms level, to within this
+MOST_DIGITS = 15  # of a frame's number
 FAST_MARGIN = 0.1  # seconds dropped on both sides of an impossible speed
 
 
@@ -370,7 +371,7 @@ def _amc_channels(text: TextFile, skeleton: Skeleton) -> dict[str, np.ndarray]:
         if words[0].startswith(":"):
             if words[0].upper() == ":RADIANS":
                 raise text.error(number, "angles in radians are not supported")
-        elif len(words) == 1 and words[0].isdecimal():
+        elif len(words) == 1 and words[0].isdecimal() and len(words[0]) <= MOST_DIGITS:
             check_frame(number)
             if frames and int(words[0]) != previous + 1:
                 raise text.error(number, f"frame {words[0]} follows frame {previous}")

@@ -18,6 +18,7 @@ from export.chain import RELU, ExportWarning, Linear, Scale, Step, batch_norm
 from export.layers import ExportError
 from export.limits import check_archive, check_size
 
+LONGEST_NAME = 1000
 EPSILON = 1e-5  # PyTorch's default; a state dict does not keep it
 
 # ---- Files -------------------------------------------------------------------------------------
@@ -77,6 +78,9 @@ def state_steps(tensors: Mapping[str, Any]) -> list[Step]:
     That names tell the order is the convention of nn.Sequential and of numbered modules;
     safetensors keeps no other.
     """
+    for name in tensors:
+        if len(name) > LONGEST_NAME:  # Python makes no integers of more than 4,300 digits
+            raise ExportError(f"a tensor's name of {len(name)} letters")
     modules = modules_of(tensors)
     norms = {name for name, module in modules.items() if STATISTICS[0] in module}
     dense = [name for name in sorted(modules, key=natural) if name not in norms]
@@ -165,9 +169,9 @@ def owner_of(norm: str, dense: Sequence[str]) -> tuple[str, str]:
         int(last): name
         for name in dense
         for parent, _, last in [name.rpartition(".")]
-        if parent == folder and last.isdigit()
+        if parent == folder and last.isdecimal()
     }
-    if place.isdigit() and places:
+    if place.isdecimal() and places:
         if int(place) - 1 in places:
             return places[int(place) - 1], "behind"
         if int(place) + 1 in places:
@@ -188,4 +192,4 @@ def numbers_in(name: str) -> list[int]:
 
 def natural(text: str) -> list[str | int]:
     """Sort key by which fc2 precedes fc10."""
-    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", text)]
+    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", text)]

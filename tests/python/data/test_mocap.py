@@ -155,6 +155,7 @@ def replaced(lines: list[str], old: str, new: str | None) -> list[str]:
         (amc_frame(1) + amc_frame(2)[:4], 23, "has 0 lines"),
         (amc_frame(1)[1:], 4, "'root'"),
         (amc_frame(1) + amc_frame(3), 19, "frame 3 follows frame 1"),
+        (amc_frame(1) + ["9" * 5000], 19, "is neither a frame number nor a bone"),
         ([], 3, "no frames"),
     ],
 )
@@ -553,6 +554,9 @@ def with_nan() -> np.ndarray:
     return joints
 
 
+NO_LETTERS = np.full(14, 0x110000, "u4").view("U1")
+
+
 @pytest.mark.parametrize(
     ("changes", "what"),
     [
@@ -571,6 +575,7 @@ def with_nan() -> np.ndarray:
         ({"action_names": np.arange(3)}, "action_names is of type int64, must be text"),
         ({"action_names": np.array("walk")}, "action_names has 0 dimensions, not one"),
         ({"unit": "m\nm"}, "unit is 'm m', must be 'm'$"),
+        ({"joint_names": NO_LETTERS}, "text with the code 0x110000, which is of no letter"),
         ({"unit": np.array(["m"])}, "unit is of type <U1, must be text"),
         (
             {key: np.zeros(0, int) for key in ("subject", "trial", "frame")}

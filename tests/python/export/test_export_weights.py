@@ -722,6 +722,8 @@ def test_state_dict_of_another_network(tmp_path: Path, capsys, net: Net) -> None
     for name, array, message in [
         ("norm.running_mean", np.ones(128), "unsupported tensor norm.running_mean"),
         ("norm.weight", np.ones(128), "layer norm has no bias"),
+        ("².weight", np.ones(128), "layer ² has no bias"),
+        ("9" * 5000 + ".weight", np.ones(128), "a tensor's name of 5007 letters"),
     ]:
         save_file(state_dict(net) | {name: array}, tmp_path / "net.safetensors")
         assert message in refused(tmp_path, capsys, tmp_path / "net.safetensors")
