@@ -1,5 +1,6 @@
 """Reads .mat: MatConvNet's networks, version 5 to 7.3 of MATLAB's files."""
 
+import math
 import struct
 import zlib
 from collections.abc import Mapping
@@ -83,6 +84,8 @@ def load_mat(path: Path) -> dict[str, Any]:
 HEADER, TAG, COMPRESSED = 128, 8, 15  # of version 5: bytes, bytes, type of an element
 # What opens an array, struct or cell, by the order of the bytes.
 VALUE = {"<": b"\x0e\0\0\0", ">": b"\0\0\0\x0e"}
+SIZES, HEAD = 32, 32 + 4 * 32  # bytes before an array's sizes, and with the most that SciPy reads
+CELL, STRUCT, OBJECT = 1, 2, 3  # classes of arrays whose elements are values again
 MOST_VALUES = 5_000  # a network of 20 layers has 400
 
 
@@ -93,7 +96,7 @@ def check_unpacked(path: Path) -> None:
     order = {b"IM": "<", b"MI": ">"}.get(data[126:HEADER])
     if order is None:  # version 4, which has neither
         return
-    at, total, count = HEADER, 0, data.count(VALUE[order])
+    at, total, count = HEADER, 0, count_values(data, order)
     while at + TAG <= len(data):
         kind, size = struct.unpack_from(f"{order}II", data, at)
         at += TAG
@@ -101,9 +104,32 @@ def check_unpacked(path: Path) -> None:
             unpacked = zlib.decompressobj().decompress(data[at : at + size], LARGEST - total + 1)
             total += len(unpacked)
             check_size(total, "the unpacked file")
-            count += unpacked.count(VALUE[order])
+            count += count_values(unpacked, order)
         at += size
     check_count(count)
+
+
+def count_values(data: bytes, order: str) -> int:
+    """How many values these bytes have, or say that they have: of a cell or a struct as many as its
+    sizes say, because SciPy takes memory for so many."""
+    count, at = 0, data.find(VALUE[order])
+    while at >= 0:
+        count += elements_at(data[at : at + HEAD], order)
+        at = data.find(VALUE[order], at + 1)
+    return count
+
+
+def elements_at(head: bytes, order: str) -> int:
+    """Of the array that begins so: its tag, flags, the tag of its sizes, and these."""
+    if len(head) < SIZES:
+        return 1
+    flags, _, tag, size = struct.unpack_from(f"{order}4I", head, 16)
+    if flags & 0xFF not in (CELL, STRUCT, OBJECT):
+        return 1
+    if tag >> 16:  # a short element: in the place of its length it has the size of one dimension
+        return max(1, size)
+    dimensions = min(size, len(head) - SIZES) // 4
+    return max(1, math.prod(struct.unpack_from(f"{order}{dimensions}I", head, SIZES)))
 
 
 def check_count(count: int) -> None:
