@@ -85,6 +85,7 @@ HEADER, TAG, COMPRESSED = 128, 8, 15  # of version 5: bytes, bytes, type of an e
 # What opens an array, struct or cell, by the order of the bytes.
 VALUE = {"<": b"\x0e\0\0\0", ">": b"\0\0\0\x0e"}
 SIZES, HEAD = 32, 32 + 4 * 32  # bytes before an array's sizes, and with the most that SciPy reads
+INT32, UINT32 = 5, 6  # types of elements
 CELL, STRUCT, OBJECT = 1, 2, 3  # classes of arrays whose elements are values again
 MOST_VALUES = 5_000  # a network of 20 layers has 400
 
@@ -124,10 +125,12 @@ def elements_at(head: bytes, order: str) -> int:
     if len(head) < SIZES:
         return 1
     flags, _, tag, size = struct.unpack_from(f"{order}4I", head, 16)
+    if tag & 0xFFFF not in (INT32, UINT32):  # no array, or one that SciPy refuses
+        return 1
+    if tag >> 16 or size < 8:  # a short element has one size; SciPy crashes where there is none
+        raise ExportError("holds an array of less than two dimensions")
     if flags & 0xFF not in (CELL, STRUCT, OBJECT):
         return 1
-    if tag >> 16:  # a short element: in the place of its length it has the size of one dimension
-        return max(1, size)
     dimensions = min(size, len(head) - SIZES) // 4
     return max(1, math.prod(struct.unpack_from(f"{order}{dimensions}I", head, SIZES)))
 

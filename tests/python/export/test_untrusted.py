@@ -343,22 +343,30 @@ def test_mat_of_cells_within_cells(tmp_path: Path, capsys, compressed: bool) -> 
     assert "holds more than 5000 values" in refused(tmp_path, capsys, path)
 
 
-@pytest.mark.parametrize("sizes", [(1 << 30, 1), (1, 0xFFFFFFFF), (1, 1, 1, 5001), (5001,)])
-@pytest.mark.parametrize("kind", ["cell", "struct"])
-def test_mat_that_says_it_has_many_values(tmp_path: Path, capsys, kind: str, sizes: tuple) -> None:
-    """SciPy would take memory for as many, and time."""
-    head = element(6, struct.pack("<II", 1 if kind == "cell" else 2, 0))
-    if len(sizes) == 1:
-        head += struct.pack("<HHI", 5, 4, *sizes)  # a short element
-    else:
-        head += element(5, struct.pack(f"<{len(sizes)}I", *sizes))
-    head += element(1, b"net")
-    if kind == "struct":  # without fields
+MANY = "holds more than 5000 values"
+FLAT = "holds an array of less than two dimensions"
+
+
+@pytest.mark.parametrize(
+    ("sizes", "message"),
+    [
+        (element(5, struct.pack("<II", 1 << 30, 1)), MANY),
+        (element(5, struct.pack("<II", 1, 0xFFFFFFFF)), MANY),
+        (element(6, struct.pack("<4I", 1, 1, 1, 5001)), MANY),
+        (struct.pack("<HHI", 5, 4, 1), FLAT),  # a short element
+        (struct.pack("<II", 5, 0), FLAT),
+    ],
+)
+@pytest.mark.parametrize("kind", [1, 2], ids=["cell", "struct"])
+def test_mat_of_other_sizes(tmp_path: Path, capsys, kind: int, sizes: bytes, message: str) -> None:
+    """SciPy takes memory for as many values as there may be, and crashes where no size is."""
+    head = element(6, struct.pack("<II", kind, 0)) + sizes + element(1, b"net")
+    if kind == 2:  # without fields
         head += element(5, struct.pack("<i", 8)) + element(1, b"")
     path = tmp_path / "net.mat"
     header = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<H", 0x100) + b"IM"
     path.write_bytes(header + element(14, head))
-    assert "holds more than 5000 values" in refused(tmp_path, capsys, path)
+    assert message in refused(tmp_path, capsys, path)
 
 
 @pytest.mark.slow
