@@ -2,7 +2,7 @@
 
 import shutil
 import subprocess
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -11,16 +11,14 @@ import pytest
 from reports import targets
 
 
-def long_but(few: Iterable[Any], all_of_them: Iterable[Any]) -> list[Any]:
-    """Parameters of a test: with these few, it is not a long one."""
-    return [
-        value if value in few else pytest.param(*_several(value), marks=pytest.mark.long)
-        for value in all_of_them
-    ]
+def long_but(few: Collection[Any], values: Iterable[Any]) -> list[Any]:
+    """Parameters of a test, or tuples of them: with all but a few of them it is a long one."""
+    return [value if value in few else _long(value) for value in values]
 
 
-def _several(value: Any) -> tuple[Any, ...]:
-    return value if isinstance(value, tuple) else (value,)
+def _long(value: Any) -> Any:
+    values = value if isinstance(value, tuple) else (value,)
+    return pytest.param(*values, marks=pytest.mark.long)
 
 
 def need(*programs: str) -> None:

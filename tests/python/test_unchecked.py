@@ -103,4 +103,4 @@ def test_a_claim_without_a_comparison_fails(tmp_path):
 def test_a_run_without_long_tests_names_what_it_did_not_check(tmp_path):
     done = run_claim(tmp_path, "-m", "not long", mark="@pytest.mark.long")
     assert done.returncode == 0, done.stdout
-    assert "UNCHECKED docs/body.md: sizes (tools/check --long compares it)" in done.stdout
+    assert "UNCHECKED docs/body.md: sizes (tools/check --long compares all of it)" in done.stdout

@@ -84,6 +84,7 @@ OLDER_NAMES = {"head_top": "head", "neck": "neck_base"}
 # What an .npz holds: in words, and the kinds of NumPy's types.
 TYPES = dict.fromkeys(("joints", "subject", "trial", "frame", "action"), ("numbers", "fiu"))
 TYPES |= dict.fromkeys(("joint_names", "action_names", "up", "unit"), ("text", "US"))
+DIMENSIONS = {"joint_names": 1, "action_names": 1, "up": 0, "unit": 0}  # of text
 
 STATURE = 1.6  # metres, head to ankle of an adult ...
 STATURE_RANGE = (0.8, 2.6)  # ... and what may still be a person
@@ -720,13 +721,13 @@ def _load_npz(path: Path) -> Motion:
 
 
 def _check_types(path: Path, data: dict[str, np.ndarray]) -> None:
-    """Which arrays must be text, and which numbers."""
+    """Which arrays must be text, of how many dimensions, and which numbers."""
     for key, array in data.items():
         kinds = TYPES.get(key, ("numbers", array.dtype.kind))
-        if array.dtype.kind not in kinds[1] or (key in ("up", "unit") and array.shape != ()):
+        if array.dtype.kind not in kinds[1]:
             raise MocapError(f"{path}: {key} is of type {array.dtype}, must be {kinds[0]}")
-        if key == "action_names" and array.ndim != 1:
-            raise MocapError(f"{path}: action_names has {array.ndim} dimensions, not one")
+        if array.ndim != (wanted := DIMENSIONS.get(key, array.ndim)):
+            raise MocapError(f"{path}: {key} has {array.ndim} dimensions, must have {wanted}")
 
 
 def _check_names(path: Path, names: np.ndarray) -> None:

@@ -18,7 +18,7 @@ from export.chain import RELU, ExportWarning, Linear, Scale, Step, batch_norm
 from export.layers import ExportError
 from export.limits import check_archive, check_size
 
-LONGEST_NAME = 1000
+LONGEST_NAME = 1000  # of a tensor: Python makes no integers of more than 4,300 digits
 EPSILON = 1e-5  # PyTorch's default; a state dict does not keep it
 
 # ---- Files -------------------------------------------------------------------------------------
@@ -79,7 +79,7 @@ def state_steps(tensors: Mapping[str, Any]) -> list[Step]:
     safetensors keeps no other.
     """
     for name in tensors:
-        if len(name) > LONGEST_NAME:  # Python makes no integers of more than 4,300 digits
+        if len(name) > LONGEST_NAME:
             raise ExportError(f"a tensor's name of {len(name)} letters")
     modules = modules_of(tensors)
     norms = {name for name, module in modules.items() if STATISTICS[0] in module}

@@ -37,19 +37,25 @@ def run_report(
     description: str | None,
     tables: Callable[[], Iterable[Table]],
     arguments: Sequence[str] | None = None,
+    *,
+    comparable: bool = True,
 ) -> int:
-    """The exit status of a report of that name: 1 if the tables cannot be made, or disagree."""
+    """The exit status of a report of that name: 1 if the tables cannot be made, or disagree.
+    Times of one machine are not comparable, and have no --check."""
     parser = argparse.ArgumentParser(
         prog=report, description=description, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--update", action="store_true", help="write the tables into their pages")
-    what.add_argument("--check", action="store_true", help="compare the tables with their pages")
+    if comparable:
+        what.add_argument(
+            "--check", action="store_true", help="compare the tables with their pages"
+        )
     options = parser.parse_args(arguments)
     try:
         for table in tables():
             print(table.text)
-            if options.check:
+            if comparable and options.check:
                 table.check()
             if options.update:
                 markdown.write(table.page, table.name, table.text)

@@ -1,6 +1,8 @@
 """Milliseconds of a lift: on an RP2040 by a published model of the chip, on others about.
 
-    run.py reports.cycles [--update docs/costs.md]
+    run.py reports.cycles             prints both tables
+    run.py reports.cycles --check     compares those of docs/costs.md
+    run.py reports.cycles --update    writes them
 
 Not part of tools/check: it wants node 18 or later with npm, which installs rp2040js, the emulator
 of the Wokwi project, under build/rp2040.  The model knows the cycles of the Cortex-M0+'s
@@ -12,17 +14,18 @@ No such model is known of the other chips.  Theirs is what the instructions of d
 (Arm's technical reference manuals), and the modelled Cortex-M0+ takes 1.4.
 """
 
-import argparse
 import dataclasses
 import itertools
 import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from data.paths import ROOT
 from reports import markdown
+from reports.command import Table, run_report
 from reports.size import BENCH, COSTS, LEVEL, Cost, options_of, parse
 from reports.targets import SMALL_SOURCES, TARGETS, ToolError, build, compile_library, run
 
@@ -101,24 +104,16 @@ def chips_table(costs: list[Cost]) -> str:
     return markdown.table("ms, about", [f"`{model}`" for model in MODELS], rows)
 
 
+def tables() -> Iterator[Table]:
+    """Both, in one place of the page."""
+    install(INSTALLED)
+    modelled = report(measure())
+    costs = parse(markdown.read(COSTS, "costs"))
+    yield Table(COSTS, "cycles", f"{modelled}\n{chips_table(costs)}")
+
+
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--update", type=Path, metavar="FILE", help="Markdown file with marks")
-    args = parser.parse_args()
-    try:
-        install(INSTALLED)
-        modelled = report(measure())
-        costs = parse(markdown.read(COSTS, "costs"))
-        text = f"{modelled}\n{chips_table(costs)}"
-        print(text, end="")
-        if args.update:
-            markdown.write(args.update, "cycles", text)
-    except (ToolError, OSError, ValueError) as error:
-        print(f"cycles: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return run_report("cycles", __doc__, tables)
 
 
 if __name__ == "__main__":

@@ -98,7 +98,7 @@ def tables() -> Iterator[Table]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    return run_report("reports.video", __doc__, tables, arguments)
+    return run_report("video", __doc__, tables, arguments)
 
 
 if __name__ == "__main__":

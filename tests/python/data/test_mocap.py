@@ -573,10 +573,10 @@ NO_LETTERS = np.full(14, 0x110000, "u4").view("U1")
         ({"joints": standing(3).astype(str)}, "joints is of type <U32, must be numbers"),
         ({"subject": np.zeros(3, "M8[s]")}, r"subject is of type datetime64\[s\], must be numbers"),
         ({"action_names": np.arange(3)}, "action_names is of type int64, must be text"),
-        ({"action_names": np.array("walk")}, "action_names has 0 dimensions, not one"),
+        ({"action_names": np.array("walk")}, "action_names has 0 dimensions, must have 1"),
         ({"unit": "m\nm"}, "unit is 'm m', must be 'm'$"),
         ({"joint_names": NO_LETTERS}, "text with the code 0x110000, which is of no letter"),
-        ({"unit": np.array(["m"])}, "unit is of type <U1, must be text"),
+        ({"unit": np.array(["m"])}, "unit has 1 dimensions, must have 0"),
         (
             {key: np.zeros(0, int) for key in ("subject", "trial", "frame")}
             | {"joints": np.zeros((0, 14, 3))},

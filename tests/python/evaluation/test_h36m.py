@@ -116,7 +116,10 @@ def write_cameras(path: Path, name: str) -> Path:
     return path
 
 
-@pytest.fixture(scope="module", params=["h36m", "humaneva"])
+DATA_SETS = ["h36m", "humaneva"]
+
+
+@pytest.fixture(scope="module", params=DATA_SETS)
 def files(request, tmp_path_factory) -> tuple[str, Path, Path]:
     """Name, positions and cameras of a data set."""
     folder = tmp_path_factory.mktemp(request.param)
@@ -507,7 +510,7 @@ def test_one_command_prints_the_table(files, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("files", long_but(["h36m"], ["h36m", "humaneva"]), indirect=True)
+@pytest.mark.parametrize("files", long_but(["h36m"], DATA_SETS), indirect=True)
 def test_training_uses_the_training_people(files, tmp_path):
     done = command(*options_of(files), "--train", "--epochs", 1, "--out", tmp_path)
     assert done.returncode == 0, done.stderr

@@ -6,17 +6,18 @@
 Poses a second are those of Node.js on one core of this machine, by the processor's time; medians.
 """
 
-import argparse
 import gzip
 import json
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from channels.browser.npm import MODELS, NPM, PAGE, VARIANTS, write_package
 from data.paths import EXAMPLES
 from reports import markdown
-from reports.targets import ToolError, run
+from reports.command import Table, run_report
+from reports.targets import run
 
 NAME = "browser_models"
 HEAD = [
@@ -38,8 +39,8 @@ def speeds(folder: Path) -> dict[str, dict[str, int]]:
     }
 
 
-def table() -> str:
-    """The table of docs/browser.md."""
+def tables() -> Iterator[Table]:
+    """The page's table."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write_package(folder)
@@ -51,23 +52,11 @@ def table() -> str:
             ]
             for model in MODELS
         }  # fmt: skip
-    return markdown.table("model", HEAD, rows, markdown.counted)
+    yield Table(PAGE, NAME, markdown.table("model", HEAD, rows, markdown.counted))
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--update", action="store_true", help=f"writes the table of {PAGE.name}")
-    update = parser.parse_args().update
-    try:
-        text = table()
-    except ToolError as error:
-        print(f"channels.browser.npm_figures: {error}", file=sys.stderr)
-        return 1
-    if update:
-        markdown.write(PAGE, NAME, text)
-    else:
-        print(text, end="")
-    return 0
+    return run_report("npm_figures", __doc__, tables, comparable=False)
 
 
 if __name__ == "__main__":

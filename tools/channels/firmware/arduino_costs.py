@@ -1,25 +1,29 @@
 """What the Arduino example costs on makers' boards: flash, RAM and milliseconds, as Markdown.
 
-    run.py channels.firmware.arduino_costs [--update docs/arduino.md]
+    run.py channels.firmware.arduino_costs             prints both tables
+    run.py channels.firmware.arduino_costs --check     compares those of docs/arduino.md
+    run.py channels.firmware.arduino_costs --update    writes them
 
 Flash and RAM are those of the image that arduino-builder makes.  The milliseconds are about: the
 instructions of docs/costs.md at 1 to 1.6 cycles each (reports/cycles.py says why).
 """
 
-import argparse
 import re
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from channels.firmware.arduino import EXAMPLE
 from channels.firmware.boards import build_by_arduino
-from data.paths import ROOT
+from data.paths import DOCS, ROOT
 from reports import markdown
+from reports.command import Table, run_report
 from reports.cycles import about
 from reports.size import COSTS, parse
-from reports.targets import TARGETS, ToolError, run
+from reports.targets import TARGETS, run
 
+PAGE = DOCS / "arduino.md"
 CORES = ("cortex-m4f", "cortex-m0plus")
 BOARDS = {  # core, MHz
     "Teensy 4.0, 4.1": ("Cortex-M7", 600),
@@ -83,8 +87,8 @@ def milliseconds_table() -> str:
     return markdown.table("ms, about", ["core", "`edml_lift`", "`edml_lift_q`"], rows, left=2)
 
 
-def measure() -> dict[str, Path]:
-    """Both tables, by name."""
+def tables() -> Iterator[Table]:
+    """Both tables."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "libraries").mkdir()
@@ -93,27 +97,12 @@ def measure() -> dict[str, Path]:
             core: build_by_arduino(ROOT / EXAMPLE, folder / "libraries", core, folder / core)
             for core in CORES
         }
-        return {
-            "arduino_memory": memory_table(images),
-            "arduino_milliseconds": milliseconds_table(),
-        }
+        yield Table(PAGE, "arduino_memory", memory_table(images))
+    yield Table(PAGE, "arduino_milliseconds", milliseconds_table())
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--update", type=Path, metavar="FILE", help="Markdown file with marks")
-    args = parser.parse_args()
-    try:
-        tables = measure()
-        print("\n".join(tables.values()), end="")
-        if args.update:
-            markdown.write_those(args.update, tables)
-    except (ToolError, OSError, ValueError) as error:
-        print(f"arduino_costs: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return run_report("arduino_costs", __doc__, tables)
 
 
 if __name__ == "__main__":

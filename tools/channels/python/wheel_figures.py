@@ -7,13 +7,12 @@ The library is that of this machine's wheel.  On one core it is the processor's 
 all of them the clock's; the best of some rounds, because other programs run as well.
 """
 
-import argparse
 import math
 import os
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from ctypes import c_int
 from dataclasses import replace
 from functools import partial
@@ -29,6 +28,7 @@ from data.paths import DOCS, EXAMPLES
 from edmlift._binding import POSE, load, pointer
 from edmlift.networks import find_model
 from reports import markdown
+from reports.command import Table, run_report
 from reports.targets import INCLUDES, SOURCES, ToolError, library_flags, run
 
 PAGE = DOCS / "python.md"
@@ -116,8 +116,8 @@ def builds(platform: Platform, library: Path, folder: Path) -> str:
     return markdown.table("thousand poses a second", list(libraries), rows)
 
 
-def tables() -> dict[str, str]:
-    """Both tables by their names in the page."""
+def tables() -> Iterator[Table]:
+    """Both tables."""
     if host() not in PLATFORMS:
         raise ToolError(f"there is no wheel for {host()}")
     platform = PLATFORMS[host()]
@@ -126,25 +126,12 @@ def tables() -> dict[str, str]:
     with tempfile.TemporaryDirectory() as name:
         for file in ("edmlift.c", "edmlift.h"):
             (Path(name) / file).symlink_to(SOURCE / file)
-        text = builds(platform, library, Path(name))
-    return {"python_speed": speeds(library), "python_builds": text}
+        yield Table(PAGE, "python_builds", builds(platform, library, Path(name)))
+    yield Table(PAGE, "python_speed", speeds(library))
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--update", action="store_true", help=f"writes the tables of {PAGE.name}")
-    update = parser.parse_args().update
-    try:
-        found = tables()
-    except ToolError as error:
-        print(f"channels.python.wheel_figures: {error}", file=sys.stderr)
-        return 1
-    for name, text in found.items():
-        if update:
-            markdown.write(PAGE, name, text)
-        else:
-            print(text)
-    return 0
+    return run_report("wheel_figures", __doc__, tables, comparable=False)
 
 
 if __name__ == "__main__":
