@@ -20,7 +20,7 @@ from evaluation.measures import evaluate, rounded
 from experiments import rivals
 from export import cli
 from model.manifest import read_manifest
-from reports import markdown, operations, size, video
+from reports import cycles, markdown, operations, size, video
 from reports.targets import SMALL_SOURCES, TARGETS, Target, compile_library, run
 
 ACCURACY, LOG, FCONV = (ROOT / "docs" / f"{n}.md" for n in ("accuracy", "accuracy-log", "fconv"))
@@ -285,6 +285,11 @@ def test_a_lift_is_cheap(costs, core, model, variant, code, lift):
 def test_a_lift_needs_little_memory(costs):
     assert max(cost.work for cost in costs.values()) <= 2448
     assert max(cost.stack for cost in costs.values()) <= 600
+
+
+def test_milliseconds_of_chips_are_those_of_the_table(costs):
+    written = markdown.read(size.COSTS, "cycles")
+    assert written.endswith(cycles.chips_table(list(costs.values())))
 
 
 @pytest.mark.slow
