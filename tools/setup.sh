@@ -25,6 +25,11 @@ if ! mkdir -p "$logs" 2>/dev/null || ! [ -w "$logs" ] || ! [ -w build ]; then
     exit 1
 fi
 
+# What Python compiled of modules is kept, even where the environment says that it is not: a program
+# starts in a third of the time.
+unset PYTHONDONTWRITEBYTECODE
+export PYTHONPYCACHEPREFIX=$root/build/pycache
+
 has() { command -v "$1" >/dev/null 2>&1 || [[ $1 = /* && -e $1 ]]; } # a command, or a file by its whole path
 
 step() {

@@ -2,7 +2,7 @@
 
     python tools/run.py reports.corpora --update
 
-They run by build/venv-corpora, which tools/check makes, and Java.
+They run by build/venv-corpora, which tools/check --long makes, and Java.
 """
 
 import argparse
@@ -177,7 +177,7 @@ def lacks() -> str | None:
     """What the programs need that is not there."""
     if not PYTHON.exists():
         folder = PYTHON.parents[1].relative_to(ROOT)
-        return f"no {folder}: tools/check makes it, by tools/requirements-corpora.txt"
+        return f"no {folder}: tools/check --long makes it, by tools/requirements-corpora.txt"
     if shutil.which("java") is None:
         return "no java, which Spark needs (Debian: default-jre-headless)"
     try:
