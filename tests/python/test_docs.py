@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from builds import long_but
 from conftest import ROOT
 
 from reports.targets import INCLUDES, compile_each, library_flags
@@ -160,7 +161,11 @@ def test_first_pose_shows_the_beginning_of_what_is_printed(printed: dict[str, st
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "compiler, name", [("cc", "lift"), ("arm-none-eabi-gcc", "fixed"), ("cmake", "")]
+    ("compiler", "name"),
+    long_but(
+        [("cc", "lift"), ("arm-none-eabi-gcc", "fixed")],
+        [("cc", "lift"), ("arm-none-eabi-gcc", "fixed"), ("cmake", "")],
+    ),
 )
 def test_the_commands_of_first_pose_work(
     compiler: str, name: str, printed: dict[str, str], tmp_path: Path

@@ -38,7 +38,7 @@ CLIPS = ("beam1", "beam2", "beam3", "beam4", "street")
 ADDED = ["pose", "misfit", "quality", "status"]
 ROWS_OF_A_GROUP, GROUPS_OF_A_FILE = 25_000, 4
 NOBODY, SHORT = 400, 700  # of so many rows one has no keypoints, or too few
-EVERY = 0.5  # seconds between looks at the memory
+EVERY = 0.1  # seconds between looks at the memory
 
 
 @dataclass(frozen=True)
