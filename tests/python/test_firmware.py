@@ -42,7 +42,7 @@ def expected(host: Path) -> dict[str, str]:
     return {v: run(host / "examples" / "firmware" / f"firmware_{v}") for v in VARIANTS}
 
 
-SOME_CORES = ["cortex-m0plus", "cortex-m55", "rv32imc"]
+SOME_CORES = ["cortex-m0plus", "cortex-m55"]
 
 
 @pytest.fixture(scope="module", params=long_but(SOME_CORES, TARGETS))

@@ -275,5 +275,5 @@ def test_a_header_of_another_format_does_not_compile(model: str, tmp_path: Path)
     older = re.sub(r"(?m)^#if EDML_WEIGHTS_FORMAT != \d+$", "#if EDML_WEIGHTS_FORMAT != 1", text)
     assert older != text
     older = f'#include "network/kernels.h"\n{older}'
-    said = compile_text(older, tmp_path, "-std=c99", "-fsyntax-only")
+    said = compile_text(older, tmp_path, "-std=c99", "-fsyntax-only", "-Wfatal-errors")
     assert "regenerate with tools/export_weights.py" in said

@@ -15,7 +15,7 @@ HOSTS = ["gcc", "clang"]
 CORES = ["cortex-m0plus", "cortex-m4f", "rv32imc"]
 
 
-@pytest.fixture(scope="module", params=long_but(["gcc", "cortex-m0plus"], [*HOSTS, *CORES]))
+@pytest.fixture(scope="module", params=long_but(["gcc", "cortex-m4f"], [*HOSTS, *CORES]))
 def objects(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory):
     """Prefix of the binary utilities, and an object file for each source."""
     if request.param in HOSTS:

@@ -50,6 +50,16 @@ def test_a_file_counts_as_a_command_that_is_there(tmp_path: Path) -> None:
     assert said.stdout.split()[-2:] == ["second", "third"] and "first" not in said.stdout
 
 
+def test_installing_waits_for_another_program_that_installs(tmp_path: Path) -> None:
+    copy_tools(tmp_path, "demo")
+    stub = tmp_path / "apt-get"
+    stub.write_text('#!/bin/sh\necho "$*"\n')
+    stub.chmod(0o755)
+    script = 'source tools/setup.sh; as_root() { "$@"; }; PATH=.:$PATH apt_install lld'
+    said = subprocess.run(["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True)
+    assert "DPkg::Lock::Timeout=" in said.stdout and said.stdout.endswith(" lld\n"), said.stderr
+
+
 # ---- tools/check ---------------------------------------------------------------------------------
 
 STUB = """#!/bin/sh

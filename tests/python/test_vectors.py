@@ -37,6 +37,6 @@ def test_the_vectors_are_up_to_date(made: str) -> None:
     np.testing.assert_allclose(made_numbers, kept_numbers, rtol=1e-6, atol=1e-7)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_making_them_twice_gives_the_same_bytes(made: str) -> None:
     assert made == make_vectors.vectors(GEN)

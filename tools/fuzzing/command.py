@@ -21,7 +21,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 
 from data.paths import DOCS
 from fuzzing.runs import GUIDED_SHARE, Figures, Lines, coverage_of, fuzz, logged, take_mended
-from fuzzing.targets import Target, all_targets, shown
+from fuzzing.targets import Target, all_targets, shown, watched_one_in
 from reports import markdown
 
 PAGE = DOCS / "fuzzing.md"
@@ -89,8 +89,8 @@ def table_of(targets: Sequence[Target], with_lines: bool) -> str:
 
 
 def watched(target: Target, figures: Figures) -> int:
-    """Inputs that integers which watch themselves computed as well (WATCHED_ONE_IN of fuzz.c)."""
-    return figures.guided + figures.fast // 16 if target.name.endswith("_q") else 0
+    """Inputs that integers which watch themselves computed as well."""
+    return figures.guided + figures.fast // watched_one_in() if target.name.endswith("_q") else 0
 
 
 def covered(ran: Lines, known: Lines) -> str:

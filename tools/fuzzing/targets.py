@@ -77,6 +77,12 @@ def library_targets() -> list[str]:
     return names
 
 
+def watched_one_in() -> int:
+    """Of how many pseudo-random inputs of fixed point one is computed once more, in integers that
+    watch themselves: WATCHED_ONE_IN of tests/fuzz/fuzz.c."""
+    return int(re.findall(r"WATCHED_ONE_IN = (\d+)", (FUZZ / "fuzz.c").read_text("utf-8"))[0])
+
+
 def reader_targets() -> list[str]:
     """The names of the tests of tests/python/untrusted, without test_."""
     return [

@@ -13,13 +13,13 @@ export class Watching {
     this.rate = NaN;
     this.lastTime = -Infinity;
     this.lastShown = NaN;
-    lifting.cut();
-    detector.cut();
+    this.begins = true;
   }
 
   /** Goes on until it is stopped or the footage is closed; begins with the frame that is there, because a video may
    * have been paused. */
   async run() {
+    await this.detector.looking?.catch(() => {}); // for another Watching
     try {
       for (let next = this.footage.now(); next && !this.stopped; next = await this.footage.next())
         await this.look(next);
@@ -34,20 +34,24 @@ export class Watching {
 
   async look({ frame, time }) {
     if (time === this.lastTime) return;
-    if (time < this.lastTime) this.cut();
+    if (this.begins || time < this.lastTime) {
+      this.lifting.cut();
+      this.detector.cut();
+      this.begins = false;
+    }
     this.lastTime = time;
     const start = performance.now();
-    const found = await this.detector.detect(frame);
+    this.detector.looking = this.detector.detect(frame);
+    const found = await this.detector.looking;
     if (this.stopped || this.footage.closed) return;
     this.count(performance.now() - start);
     const pose = found && this.lifting.liftFrame(found, time, this.mirrored);
     this.shown({ frame, time, pose });
   }
 
-  /** The next frame does not follow this one: the video was wound, or begins again. */
+  /** The next frame does not follow this one, which may still be looked at: the video was wound. */
   cut() {
-    this.lifting.cut();
-    this.detector.cut();
+    this.begins = true;
   }
 
   /** Takes the time of a frame into the means; the first one's includes what a detector prepares. */

@@ -2,7 +2,7 @@
 
     python tools/run.py reports.corpora --update
 
-They run by build/venv-corpora, which tools/check makes, and Java.
+They run by build/venv-corpora, which tools/check --long makes, and Java.
 """
 
 import argparse
@@ -38,7 +38,7 @@ CLIPS = ("beam1", "beam2", "beam3", "beam4", "street")
 ADDED = ["pose", "misfit", "quality", "status"]
 ROWS_OF_A_GROUP, GROUPS_OF_A_FILE = 25_000, 4
 NOBODY, SHORT = 400, 700  # of so many rows one has no keypoints, or too few
-EVERY = 0.5  # seconds between looks at the memory
+EVERY = 0.1  # seconds between looks at the memory
 
 
 @dataclass(frozen=True)
@@ -177,7 +177,7 @@ def lacks() -> str | None:
     """What the programs need that is not there."""
     if not PYTHON.exists():
         folder = PYTHON.parents[1].relative_to(ROOT)
-        return f"no {folder}: tools/check makes it, by tools/requirements-corpora.txt"
+        return f"no {folder}: tools/check --long makes it, by tools/requirements-corpora.txt"
     if shutil.which("java") is None:
         return "no java, which Spark needs (Debian: default-jre-headless)"
     try:

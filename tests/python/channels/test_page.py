@@ -549,6 +549,52 @@ def test_a_reader_who_does_not_wait(page: Page):
     forget_gpu_messages(page)
 
 
+# A detector that answers when it is told to.
+SLOW_DETECTOR = """
+  const said = [];
+  let answer;
+  const detector = {
+    cut: () => said.push("cut"),
+    async detect(frame) {
+      said.push(frame);
+      await new Promise((resolve) => (answer = resolve));
+      said.push("answered");
+      return null;
+    },
+  };
+  const lifting = { cut: () => {} };
+  const footage = { now: () => ({ frame: "b", time: 1 }), next: async () => null };
+  const { Watching } = await import("./watching.js");
+  const watching = new Watching(footage, detector, lifting, () => {});
+  const first = watching.look({ frame: "a", time: 0 });
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "script",
+    [
+        """
+        watching.cut();
+        answer();
+        await first;
+        watching.look({ frame: "b", time: 1 });""",
+        """
+        const another = new Watching(footage, detector, lifting, () => {});
+        watching.stop();
+        another.run();
+        answer();
+        await new Promise((done) => setTimeout(done, 0));""",
+    ],
+    ids=["wound", "another"],
+)
+def test_a_frame_that_does_not_follow_waits_for_the_one_before(page: Page, script: str):
+    """A detector that looks remembers then where the person was, and takes the answer to one frame
+    for that to another."""
+    said = page.evaluate(f"(async () => {{{SLOW_DETECTOR}{script} return said; }})()")
+    assert said == ["cut", "a", "answered", "cut", "b"]
+
+
 @pytest.mark.slow
 def test_a_video_is_lifted(page: Page, video: Path):
     go_to(page, "video")

@@ -178,6 +178,7 @@ def test_the_page_of_python_lifts_the_sample_walk(wheel: Path, folder: Path):
     assert lifted == (empty / "expected.csv").read_text()
 
 
+@pytest.mark.long
 def test_pip_compiles_the_sdist_to_the_same_package(wheel: Path, sdist: Path, tmp_path: Path):
     """Where there is no wheel; of one model, which takes less time."""
     need("cmake", "cc")

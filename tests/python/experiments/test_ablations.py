@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from builds import long_but
 from motions import people, write_motion
 from support import ROOT
 
@@ -52,8 +53,11 @@ def test_with_all_its_parts_it_is_the_lift_of_training():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "name"),
-    [(kind, name) for kind in ("distances", "direct") for name in ("frame", "gates", "mask")]
-    + [("direct", "image"), ("distances", "mds")],
+    long_but(
+        [("direct", "gates"), ("direct", "image"), ("distances", "mds")],
+        [("direct", "image"), ("distances", "mds")]
+        + [(kind, name) for kind in ("distances", "direct") for name in ("frame", "gates", "mask")],
+    ),
 )
 def test_a_part_that_is_left_out_is_missed_and_its_loss_falls(kind, name):
     recipe = recipe_without(kind, name)

@@ -5,7 +5,6 @@ import json
 
 import numpy as np
 import pytest
-from builds import long_but
 from motions import people, write_motion
 from support import ROOT
 
@@ -52,8 +51,8 @@ def test_people_of_the_test_are_measured_if_there_are_any():
         laboratories.whom(range(9, 10), train, test)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", long_but(["direct"], KINDS))
+@pytest.mark.long
+@pytest.mark.parametrize("kind", KINDS)
 def test_the_library_of_a_run_lifts_as_training_does(tmp_path, kind):
     recipe = dataclasses.replace(RECIPES[kind], l2_epochs=0, pose_epochs=1, batch=60)
     motion = of([1, 2])

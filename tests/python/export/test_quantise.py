@@ -327,7 +327,7 @@ def test_the_library_computes_the_network(folder, layers, calibration, edms, for
     export(folder, form)
     (folder / "main.c").write_text(NETWORK_C.replace("FORM", form))
     checks = ["-fsanitize=undefined", "-fno-sanitize-recover=all"]
-    command = ["gcc", "-std=c99", "-O1", *checks, *targets.INCLUDES]
+    command = ["gcc", "-std=c99", *checks, *targets.INCLUDES]
     objects = targets.compile_each(command, folder, targets.WITHOUT_MODELS)
     targets.run(*command, folder / "main.c", *objects, "-lm", "-o", folder / "main")
     highest = 127 << 24

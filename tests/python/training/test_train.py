@@ -296,7 +296,7 @@ def test_the_command_trains_an_equivariant_network(tmp_path, kind):
     assert read.model == kind and read_settings(tmp_path / "net.json", read.needs)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_command_trains_the_papers_network(tmp_path):
     written, arrays, _ = trained(tmp_path, "fconn")
     assert len(written["mirror"]) == 5 and 0 < written["fusion"]["share"] < 1

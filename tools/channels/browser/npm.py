@@ -87,14 +87,17 @@ def compile_models(folder: Path) -> list[Path]:
 def compile_variant(
     source: Path, folder: Path, variant: str, options: Sequence[str]
 ) -> Iterator[Path]:
-    """A program a model; the library is compiled once for all."""
-    library, glue = source / "edmlift.o", source / "glue.o"
-    compiler = [*COMPILE, *options, f"-I{source}"]
-    run(*compiler, "-c", source / "edmlift.c", "-o", library)
+    """A program a model; the library is compiled once for all.
+
+    Commands name no folder of their own, so that ccache knows what was compiled in another.
+    """
+    library, glue = "edmlift.o", "glue.o"
+    compiler = [*COMPILE, *options, "-I."]
+    run(*compiler, "-c", "edmlift.c", "-o", library, cwd=source)
     for model in MODELS:
-        program = folder / f"{model}{variant}.wasm"
-        run(*compiler, *EXPORTED, f"-DMODEL={model}", "-c", NPM / "glue.c", "-o", glue)
-        run(*LINK, glue, library, "-o", program)
+        program = folder.resolve() / f"{model}{variant}.wasm"
+        run(*compiler, *EXPORTED, f"-DMODEL={model}", "-c", NPM / "glue.c", "-o", glue, cwd=source)
+        run(*LINK, glue, library, "-o", program, cwd=source)
         program.chmod(0o644)  # it is no program to the system
         yield program
 
