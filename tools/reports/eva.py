@@ -61,7 +61,7 @@ ALL: dict[str, Program] = {
         (*NETWORK, "models/direct_w16", *JOINTS),
     ),
     "fuse": Program("points and image to a pose", ("models/direct_w16", *JOINTS)),
-    "mds": Program("distances to points, but for Jacobi's rotations", JOINTS[1:]),
+    "mds": Program("distances to points", JOINTS[1:]),
     "network_distances": Program(
         "image and upward direction to distances and points, by `edml_distances_w16`",
         (*NETWORK, "models/distances_w16", *JOINTS),
@@ -83,7 +83,7 @@ ALL: dict[str, Program] = {
 }
 FUNCTION = r"^\w[\w *()]*?\b(\w+)\([^;{]*\)\s*{(?:.*?)(?:^}|}$)"
 SCOPE = ("api", "geometry", "lift", "optional/camera")  # folders of lib/: lift and placement
-WORDS = "ASSUME|MUL_TO|DIV_TO|SHIFT_TO"
+WORDS = "ASSUME|ADD_TO|MUL_TO|DIV_TO|SHIFT_TO"
 
 
 class Found(NamedTuple):
