@@ -66,6 +66,11 @@ ALL: dict[str, Program] = {
         "image and upward direction to distances and points, by `edml_distances_w16`",
         (*NETWORK, "models/distances_w16", *JOINTS),
     ),
+    "orient": Program(
+        "points of distances to the body's axes, by the image alone",
+        JOINTS[1:],
+        (*SPLIT, "-eva-slevel", "100"),
+    ),
     "align": Program(
         "points of distances to the axes of the network's points",
         ("models/distances_w16", *JOINTS),
