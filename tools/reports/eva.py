@@ -66,6 +66,11 @@ ALL: dict[str, Program] = {
         "image and upward direction to distances and points, by `edml_distances_w16`",
         (*NETWORK, "models/distances_w16", *JOINTS),
     ),
+    "network_fconn": Program(
+        "image to distances, by `edml_fconn_w16`",
+        ("network/fconn_w16", "network/predict_q", "models/fconn_w16", *JOINTS),
+        ("-eva-min-loop-unroll", "16"),  # layers of 128 rows, 8 at a time
+    ),
     "orient": Program(
         "points of distances to the body's axes, by the image alone",
         JOINTS[1:],
