@@ -22,8 +22,8 @@ static void rotate_pair(real *p, real *q, real cosine, real sine)
 }
 
 /* Makes a[p][q] zero by the smaller of the two possible rotations, p < q, of the matrix and of its vectors.
- * Entries stay within the matrix's Frobenius norm n, up to 90, and those beside the diagonal within n / sqrt(2),
- * as half_gap and root are. */
+ * Entries stay within the matrix's Frobenius norm n, up to 90, and those beside the diagonal within
+ * n / sqrt(2), as half_gap and root are. */
 static void annihilate(real a[][EDML_JOINTS], real vector[][EDML_JOINTS], int order, int p, int q)
 {
     const real half_gap = a[q][q] / 2 - a[p][p] / 2;

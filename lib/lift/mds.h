@@ -98,7 +98,7 @@ static void to_points(point y[ORDER], real value[][EDML_JOINTS], real vector[][E
     real length[3];
     for (int k = 0; k < 3; k++) {
         bring_largest(value, vector, order, k);
-        ASSUME(value[k][k] <= MOST_SPREAD); /* an eigenvalue */
+        ASSUME(value[k][k] <= MOST_SPREAD);                  /* an eigenvalue */
         length[k] = value[k][k] > 0 ? SQRT(value[k][k]) : 0; /* negative: clamped */
     }
     for (int i = 0; i < ORDER; i++) {

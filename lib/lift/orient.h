@@ -62,15 +62,15 @@ static EDML_NOINLINE void sum_moments(moments *m, const point x[EDML_JOINTS], co
         v += at.v;
         const point p = minus(x[j], mean);
         ASSUME(ALL_WITHIN(p, REAL(5.71))); /* root of 31.5, and rounding */
-        add_moments(m, p, at); /* the points are centred, so the image need not be */
+        add_moments(m, p, at);             /* the points are centred, so the image need not be */
     }
     m->image -= MUL(u / count, u) + MUL(v / count, v);
 }
 
 /* Scales the points so that xx + yy + zz = 4.  In u and v, scales points and image so that the squares of
  * either add up to 1; u and v are then at most 1 long.  Returns 0 if points or image are one point.
- * Rounding takes each sum of squares at most 7 steps off.  Of points that are nearly one it leaves 36 steps or more
- * of 57: u and v may then be 1.26 long, and S is off by a matrix of norm 21 / 9 = 2.33. */
+ * Rounding changes each sum by 7 steps at most.  Where points are nearly one, of 57 steps of spread 36 may be
+ * left: u and v are then 1.26 long, and S is off by a matrix of norm 21 / 9 = 2.33. */
 static EDML_NOINLINE int scale_moments(moments *m)
 {
     const real spread = m->xx + m->yy + m->zz;
@@ -91,8 +91,8 @@ static EDML_NOINLINE int scale_moments(moments *m)
 }
 
 /* Solution of (S + ridge I) r = b up to a positive factor: the adjugate times b.  The eigenvalues of
- * S + ridge I are at most 8, their sum at most 16; the adjugate's are at most 36.  As b b' <= S / 4, b is short
- * where the adjugate is large: |r| <= 18, and 30 where S is off by 2.33. */
+ * S + ridge I are at most 8, their sum at most 16; the adjugate's are at most 36.  As b b' <= S / 4, b is
+ * short where the adjugate is large: |r| <= 18, and 30 where S is off by 2.33. */
 static point solve_scaled(const moments *s, real ridge, point b)
 {
     const real xx = s->xx + 4 * ridge, yy = s->yy + 4 * ridge, zz = s->zz + 4 * ridge;
@@ -124,7 +124,7 @@ static EDML_NOINLINE real orient_residual(const moments *m, point right, point d
 {
     const real across = (spread_along(m, right) + spread_along(m, down)) / 4; /* <= 1 */
     const real fit = dot(right, m->u) + dot(down, m->v);                      /* <= sqrt(across) */
-    ASSUME(WITHIN(across, REAL(2.0)) && WITHIN(fit, REAL(2.0))); /* with S off by 2.33; u, v of squares to 1.6 */
+    ASSUME(WITHIN(across, REAL(2.0)) && WITHIN(fit, REAL(2.0))); /* where S is off, and u and v 1.26 long */
     const real square = SQUARE(fit);
     const real left = MUL(across, across - square);
     if (fit <= 0 || left >= square) return REAL(1.0);
@@ -136,7 +136,6 @@ static EDML_NOINLINE real orient_residual(const moments *m, point right, point d
  * [c + r, -b; -b, a + r] up to a factor. */
 static EDML_NOINLINE int orthonormalise(point *first, point *second)
 {
-
     const real length = HYPOT(norm(*first), norm(*second));
     if (!(length > 0)) return 0;
     *first = over_length(*first, length);

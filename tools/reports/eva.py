@@ -5,7 +5,7 @@
     run.py reports.eva NAME ...     runs these programs of tests/proof alone, on few sets of joints
 
 EVA reads the texts of lib/ behind the words of tests/proof/proof.h.  Any alarm is an error.  What
-EVA cannot see the texts say with ASSUME, MUL_TO, DIV_TO and SHIFT_TO, each with its reason.
+EVA cannot see the texts say with ASSUME, ADD_TO, MUL_TO, DIV_TO and SHIFT_TO, each with its reason.
 """
 
 import argparse
@@ -60,7 +60,8 @@ ALL: dict[str, Program] = {
         "image and upward direction to points, by `edml_direct_w16`",
         (*NETWORK, "models/direct_w16", *JOINTS),
     ),
-    "fuse": Program("points and image to a pose", ("models/direct_w16", *JOINTS)),
+    "fuse": Program("points and image to a pose", JOINTS[1:]),
+    "jacobi": Program("a symmetric matrix to its eigenvalues and vectors"),
     "mds": Program("distances to points", JOINTS[1:]),
     "network_distances": Program(
         "image and upward direction to distances and points, by `edml_distances_w16`",
