@@ -21,8 +21,8 @@
 
 #define PARALLEL_SQUARED REAL(9.5367431640625e-7) /* 2^-20: squared sine that rounding can make */
 
-/* Sums over the seen joints.  The points are those of any distances up to 3 m: their squares add up to
- * at most 105, and along any axis to 31.5 (lift/refine.h).  The image's coordinates are halved: their squares
+/* Sums over the seen joints.  The points are those of the MDS, of any distances up to 3 m: their squares add up
+ * to at most 105, and along any axis to 31.5 (lift/refine.h).  The image's coordinates are halved: their squares
  * add up to at most 47. */
 typedef struct {
     real xx, xy, xz, yy, yz, zz; /* products of the points about their mean */
