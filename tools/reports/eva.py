@@ -1,6 +1,6 @@
 """What Frama-C's EVA proves of fixed point, as Markdown: no overflow, no index out of bounds.
 
-    run.py reports.eva              prints the tables: half an hour
+    run.py reports.eva              prints the tables: seven minutes of a core
     run.py reports.eva --update     writes them to docs/proof.md
     run.py reports.eva NAME ...     runs these programs of tests/proof alone, on few sets of joints
 
