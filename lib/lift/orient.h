@@ -21,8 +21,8 @@
 
 #define PARALLEL_SQUARED REAL(9.5367431640625e-7) /* 2^-20: squared sine that rounding can make */
 
-/* Sums over the seen joints.  The points are those of the MDS, of any distances up to 3 m: their squares add up
- * to at most 105, and along any axis to 31.5 (lift/refine.h).  The image's coordinates are halved: their squares
+/* Sums over the seen joints.  The points are those of the MDS, of any distances up to 3 m, or refined: their
+ * squares add up to at most 105, and along any axis to 32 (lift/refine.h).  The image's coordinates are halved: their squares
  * add up to at most 47. */
 typedef struct {
     real xx, xy, xz, yy, yz, zz; /* products of the points about their mean */
@@ -41,7 +41,7 @@ static void add_moments(moments *m, point p, edml_image_point at)
     add_multiple(&m->u, at.u, p);
     add_multiple(&m->v, at.v, p);
     m->image += SQUARE(at.u) + SQUARE(at.v);
-    /* roots of 31.5 * 31.5, and of 31.5 * 47 */
+    /* roots of 32 * 32, and of 32 * 47 */
     ASSUME(WITHIN(m->xx, REAL(32.0)) && WITHIN(m->yy, REAL(32.0)) && WITHIN(m->zz, REAL(32.0)));
     ASSUME(WITHIN(m->xy, REAL(32.0)) && WITHIN(m->xz, REAL(32.0)) && WITHIN(m->yz, REAL(32.0)));
     ASSUME(ALL_WITHIN(m->u, REAL(39.0)) && ALL_WITHIN(m->v, REAL(39.0)));
@@ -61,7 +61,7 @@ static EDML_NOINLINE void sum_moments(moments *m, const point x[EDML_JOINTS], co
         u += at.u;
         v += at.v;
         const point p = minus(x[j], mean);
-        ASSUME(ALL_WITHIN(p, REAL(5.71))); /* root of 31.5, and rounding */
+        ASSUME(ALL_WITHIN(p, REAL(5.71))); /* root of 32, and rounding */
         add_moments(m, p, at);             /* the points are centred, so the image need not be */
     }
     m->image -= MUL(u / count, u) + MUL(v / count, v);
