@@ -22,7 +22,10 @@ static point mean_joint(const point x[EDML_JOINTS], uint16_t seen)
 static void move_origin_to_mean(point x[EDML_JOINTS])
 {
     const point mean = mean_joint(x, ALL_JOINTS);
-    for (int j = 0; j < EDML_JOINTS; j++) x[j] = minus(x[j], mean);
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        x[j] = minus(x[j], mean);
+        ASSUME(ALL_WITHIN(x[j], REAL(6.0))); /* each within 3 before, or about their mean already */
+    }
 }
 
 static void move_origin_to_mid_hip(point x[EDML_JOINTS])

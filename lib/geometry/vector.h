@@ -42,9 +42,11 @@ static inline real dot(point a, point b) { return MUL(a.x, b.x) + MUL(a.y, b.y) 
 
 static inline real norm(point a) { return NORM(a.x, a.y, a.z); }
 
-static inline point over(point a, real divisor) /* |a| / 128 < divisor */
+static inline point over(point a, real divisor) /* |a| / 12 < divisor */
 {
-    const point quotient = {DIV(a.x, divisor), DIV(a.y, divisor), DIV(a.z, divisor)};
+    /* callers say why */
+    const point quotient = {DIV_TO(REAL(12.0), a.x, divisor), DIV_TO(REAL(12.0), a.y, divisor),
+                            DIV_TO(REAL(12.0), a.z, divisor)};
     return quotient;
 }
 

@@ -58,7 +58,8 @@ static EDML_NOINLINE void sum_fusion(fusion_sums *o, const point x[EDML_JOINTS],
 static void move_to_image(point x[EDML_JOINTS], const fusion_sums *o, uint16_t seen, real scale,
                           real square, const real share[EDML_JOINTS], const edml_model *model)
 {
-    const real usual = PARAM(model->fusion[FUSION_SQUARE]), weight = DIV(usual, usual + square); /* <= 1 */
+    const real usual = PARAM(model->fusion[FUSION_SQUARE]);
+    const real weight = DIV_TO(REAL(1.0), usual, usual + square); /* one of its parts */
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!is_seen(seen, j)) continue;
         const real part = MUL(share[j], weight);

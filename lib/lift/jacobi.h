@@ -18,21 +18,24 @@ static void rotate_pair(real *p, real *q, real cosine, real sine)
     const real was = *p;
     *p = MUL(cosine, was) - MUL(sine, *q);
     *q = MUL(sine, was) + MUL(cosine, *q);
+    ASSUME(WITHIN(*p, REAL(63.7)) && WITHIN(*q, REAL(63.7))); /* below the diagonal they are once more */
 }
 
 /* Makes a[p][q] zero by the smaller of the two possible rotations, p < q, of the matrix and of its vectors.
- * Entries stay within the matrix's Frobenius norm n, and two of them within sqrt(2) n: half_gap and root are at
- * most n / sqrt(2), their sum at most sqrt(2) n. */
+ * Entries stay within the matrix's Frobenius norm n, up to 90, and those beside the diagonal within
+ * n / sqrt(2), as half_gap and root are. */
 static void annihilate(real a[][EDML_JOINTS], real vector[][EDML_JOINTS], int order, int p, int q)
 {
     const real half_gap = a[q][q] / 2 - a[p][p] / 2;
     const real root = HYPOT(half_gap, a[p][q]);
-    const real tangent = DIV(a[p][q], half_gap < 0 ? half_gap - root : half_gap + root); /* to 1 */
+    ASSUME(WITHIN(half_gap, REAL(63.7)) && root <= REAL(63.7)); /* n / sqrt(2) */
+    /* root is no less than a[p][q] */
+    const real tangent = DIV_TO(REAL(1.0), a[p][q], half_gap < 0 ? half_gap - root : half_gap + root);
     const real cosine = DIV(REAL(1.0), HYPOT(REAL(1.0), tangent));
     const real sine = MUL(tangent, cosine);
 
-    a[p][p] -= MUL(tangent, a[p][q]);
-    a[q][q] += MUL(tangent, a[p][q]);
+    ADD_TO(REAL(90.1), a[p][p], -MUL(tangent, a[p][q])); /* entries of the matrix, turned */
+    ADD_TO(REAL(90.1), a[q][q], MUL(tangent, a[p][q]));
     a[p][q] = 0;
     for (int k = 0; k < p; k++) rotate_pair(&a[k][p], &a[k][q], cosine, sine);
     for (int k = p + 1; k < q; k++) rotate_pair(&a[p][k], &a[k][q], cosine, sine);

@@ -61,8 +61,12 @@ static void expand(point y[EDML_JOINTS])
     point sum = y[0];
     for (int i = 1; i < EDML_JOINTS - 1; i++) sum = plus(sum, y[i]);
     const point shift = times(HOUSEHOLDER, sum), part = times(ALPHA, shift), zero = {0, 0, 0};
-    for (int i = 0; i < EDML_JOINTS - 1; i++) y[i] = minus(y[i], part);
+    for (int i = 0; i < EDML_JOINTS - 1; i++) {
+        y[i] = minus(y[i], part);
+        ASSUME(ALL_WITHIN(y[i], REAL(5.71))); /* a reflection changes no length */
+    }
     y[EDML_JOINTS - 1] = minus(minus(zero, shift), part);
+    ASSUME(ALL_WITHIN(y[EDML_JOINTS - 1], REAL(5.71))); /* as above */
 }
 
 static const uint8_t most_sweeps[3] = {2, 2, 4}; /* for each eigenvalue; one is usual */
@@ -94,13 +98,15 @@ static void to_points(point y[ORDER], real value[][EDML_JOINTS], real vector[][E
     real length[3];
     for (int k = 0; k < 3; k++) {
         bring_largest(value, vector, order, k);
+        ASSUME(value[k][k] <= MOST_SPREAD);                  /* an eigenvalue */
         length[k] = value[k][k] > 0 ? SQRT(value[k][k]) : 0; /* negative: clamped */
     }
     for (int i = 0; i < ORDER; i++) {
         const int known = i < order;
-        y[i].x = known ? MUL(length[0], vector[0][i]) : 0;
-        y[i].y = known ? MUL(length[1], vector[1][i]) : 0;
-        y[i].z = known ? MUL(length[2], vector[2][i]) : 0;
+        /* unit vectors, each as long as the root */
+        y[i].x = known ? MUL_TO(REAL(5.7), length[0], vector[0][i]) : 0;
+        y[i].y = known ? MUL_TO(REAL(5.7), length[1], vector[1][i]) : 0;
+        y[i].z = known ? MUL_TO(REAL(5.7), length[2], vector[2][i]) : 0;
     }
 }
 

@@ -21,8 +21,9 @@
 
 #define PARALLEL_SQUARED REAL(9.5367431640625e-7) /* 2^-20: squared sine that rounding can make */
 
-/* Sums over the seen joints.  The points are those of any distances up to 3 m: their squares add up to
- * at most 105.  The image's coordinates are halved: their squares add up to at most 47. */
+/* Sums over the seen joints.  The points are those of the MDS, of any distances up to 3 m, or refined: their
+ * squares add up to at most 105, and along any axis to 32 (lift/refine.h).  The image's coordinates are halved: their squares
+ * add up to at most 47. */
 typedef struct {
     real xx, xy, xz, yy, yz, zz; /* products of the points about their mean */
     point u, v;                  /* points times image: at most 75 */
@@ -40,6 +41,10 @@ static void add_moments(moments *m, point p, edml_image_point at)
     add_multiple(&m->u, at.u, p);
     add_multiple(&m->v, at.v, p);
     m->image += SQUARE(at.u) + SQUARE(at.v);
+    /* roots of 32 * 32, and of 32 * 47 */
+    ASSUME(WITHIN(m->xx, REAL(32.0)) && WITHIN(m->yy, REAL(32.0)) && WITHIN(m->zz, REAL(32.0)));
+    ASSUME(WITHIN(m->xy, REAL(32.0)) && WITHIN(m->xz, REAL(32.0)) && WITHIN(m->yz, REAL(32.0)));
+    ASSUME(ALL_WITHIN(m->u, REAL(39.0)) && ALL_WITHIN(m->v, REAL(39.0)));
 }
 
 static EDML_NOINLINE void sum_moments(moments *m, const point x[EDML_JOINTS], const edml_image *image)
@@ -52,43 +57,55 @@ static EDML_NOINLINE void sum_moments(moments *m, const point x[EDML_JOINTS], co
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!is_seen(image->seen, j)) continue;
         const edml_image_point at = {image->at[j].u / 2, image->at[j].v / 2};
+        ASSUME(WITHIN(at.v, REAL(0.51))); /* along the body's axis seen joints are within 1 */
         u += at.u;
         v += at.v;
-        add_moments(m, minus(x[j], mean), at); /* the points are centred, so the image need not be */
+        const point p = minus(x[j], mean);
+        ASSUME(ALL_WITHIN(p, REAL(5.71))); /* root of 32, and rounding */
+        add_moments(m, p, at);             /* the points are centred, so the image need not be */
     }
     m->image -= MUL(u / count, u) + MUL(v / count, v);
 }
 
 /* Scales the points so that xx + yy + zz = 4.  In u and v, scales points and image so that the squares of
- * either add up to 1; u and v are then at most 1 long.  Returns 0 if points or image are one point. */
+ * either add up to 1; u and v are then at most 1 long.  Returns 0 if points or image are one point.
+ * Rounding changes each sum by 7 steps at most.  Where points are nearly one, of 57 steps of spread 36 may be
+ * left: u and v are then 1.26 long, and S is off by a matrix of norm 21 / 9 = 2.33. */
 static EDML_NOINLINE int scale_moments(moments *m)
 {
     const real spread = m->xx + m->yy + m->zz;
     const real lengths = MUL(SQRT(spread), SQRT(m->image)); /* <= 75 */
     const real part = spread / 4;
     if (!(part > EPSILON && lengths > EPSILON)) return 0;
-    m->xx = DIV(m->xx, part);
-    m->xy = DIV(m->xy, part);
-    m->xz = DIV(m->xz, part);
-    m->yy = DIV(m->yy, part);
-    m->yz = DIV(m->yz, part);
-    m->zz = DIV(m->zz, part);
+    /* none is above the spread, which is 39 / 9 parts at most */
+    m->xx = DIV_TO(REAL(4.4), m->xx, part);
+    m->xy = DIV_TO(REAL(4.4), m->xy, part);
+    m->xz = DIV_TO(REAL(4.4), m->xz, part);
+    m->yy = DIV_TO(REAL(4.4), m->yy, part);
+    m->yz = DIV_TO(REAL(4.4), m->yz, part);
+    m->zz = DIV_TO(REAL(4.4), m->zz, part);
     m->u = over(m->u, lengths);
     m->v = over(m->v, lengths);
+    ASSUME(ALL_WITHIN(m->u, REAL(1.3)) && ALL_WITHIN(m->v, REAL(1.3))); /* 1.26 long */
     return 1;
 }
 
 /* Solution of (S + ridge I) r = b up to a positive factor: the adjugate times b.  The eigenvalues of
- * S + ridge I are at most 8, their sum at most 16; the adjugate's are at most 36. */
+ * S + ridge I are at most 8, their sum at most 16; the adjugate's are at most 36.  As b b' <= S / 4, b is
+ * short where the adjugate is large: |r| <= 18, and 30 where S is off by 2.33. */
 static point solve_scaled(const moments *s, real ridge, point b)
 {
     const real xx = s->xx + 4 * ridge, yy = s->yy + 4 * ridge, zz = s->zz + 4 * ridge;
     const real xy = MUL(s->xz, s->yz) - MUL(s->xy, zz);
     const real xz = MUL(s->xy, s->yz) - MUL(s->xz, yy);
     const real yz = MUL(s->xy, s->xz) - MUL(xx, s->yz);
-    const point r = {MUL(MUL(yy, zz) - SQUARE(s->yz), b.x) + MUL(xy, b.y) + MUL(xz, b.z),
-                     MUL(xy, b.x) + MUL(MUL(xx, zz) - SQUARE(s->xz), b.y) + MUL(yz, b.z),
-                     MUL(xz, b.x) + MUL(yz, b.y) + MUL(MUL(xx, yy) - SQUARE(s->xy), b.z)};
+    /* (a + c)(b + c) + (a + b)(c + 4) of a diagonal a, b, c: no product is above the sum of two squares */
+    ASSUME(WITHIN(xy, REAL(25.0)) && WITHIN(xz, REAL(25.0)) && WITHIN(yz, REAL(25.0)));
+    /* of two entries on the diagonal that add up to 4.4 + 2 * 4 ridge at most */
+    const point r = {MUL(MUL_TO(REAL(38.5), yy, zz) - SQUARE(s->yz), b.x) + MUL(xy, b.y) + MUL(xz, b.z),
+                     MUL(xy, b.x) + MUL(MUL_TO(REAL(38.5), xx, zz) - SQUARE(s->xz), b.y) + MUL(yz, b.z),
+                     MUL(xz, b.x) + MUL(yz, b.y) + MUL(MUL_TO(REAL(38.5), xx, yy) - SQUARE(s->xy), b.z)};
+    ASSUME(ALL_WITHIN(r, REAL(40.0))); /* as above */
     return r;
 }
 
@@ -107,10 +124,11 @@ static EDML_NOINLINE real orient_residual(const moments *m, point right, point d
 {
     const real across = (spread_along(m, right) + spread_along(m, down)) / 4; /* <= 1 */
     const real fit = dot(right, m->u) + dot(down, m->v);                      /* <= sqrt(across) */
+    ASSUME(WITHIN(across, REAL(2.0)) && WITHIN(fit, REAL(2.0))); /* where S is off, and u and v 1.26 long */
     const real square = SQUARE(fit);
     const real left = MUL(across, across - square);
     if (fit <= 0 || left >= square) return REAL(1.0);
-    return left > 0 ? DIV(left, square) : 0;
+    return left > 0 ? DIV_TO(REAL(1.0), left, square) : 0; /* left < square */
 }
 
 /* The nearest orthonormal pair, in place; 0 if there is none because the two are parallel.  Where the pair
@@ -150,6 +168,7 @@ static EDML_NOINLINE void to_camera_axes(point x[EDML_JOINTS], const point *righ
     for (int j = 0; j < EDML_JOINTS; j++) {
         const point rotated = {dot(*right, x[j]), dot(*down, x[j]), dot(away, x[j])};
         x[j] = rotated;
+        ASSUME(ALL_WITHIN(x[j], REAL(5.71))); /* as before, along other axes */
     }
 }
 

@@ -5,9 +5,10 @@
  * usual reweighting.  For raw stress w = 1 / (2 d (d + D)), whose curvature is right at d = D as well.
  * Divisors have a minimum.  Factors that all w have in common are left out.
  *
- * Ranges.  D is in [0, 3] m.  Points are at most 8 m apart, else no step is taken to them.  Those of
- * the MDS are, because d^2 <= 2 lambda, and the Gram matrix of such distances has no lambda above
- * 31.5 m^2: u'Gu = -u'(D^2)u / 2 <= 9 s^2 for a unit u that adds up to 0, whose positive entries
+ * Ranges.  D is in [0, 3] m.  Points are at most 8 m apart, and their squares about the mean, 1/14 of those of
+ * all pairs, add up to at most 32 m^2, else no step is taken to them or from them.  So along no axis they are
+ * wider than those of the MDS: the Gram matrix of such distances has no eigenvalue above 31.5 m^2, because
+ * u'Gu = -u'(D^2)u / 2 <= 9 s^2 for a unit u that adds up to 0, whose positive entries
  * add up to s <= sqrt(14) / 2.  Hence d^2 <= 64 and -9 <= d^2 - D^2 <= 64.
  *
  * SPDX-License-Identifier: MIT
@@ -66,16 +67,19 @@ static wide stress_term(edml_objective objective, real excess, real square, real
     return PRODUCT(d, d);
 }
 
-/* Sum of the objective over the pairs, <= 91 * 64^2; WIDE_MAX if two points are 8 m apart or more. */
+/* Sum of the objective over the pairs, <= 91 * 64^2; WIDE_MAX if two points are 8 m apart or more, or the
+ * squares of all pairs add up to 7 * 64 m^2 or more. */
 static wide total_stress(const point x[EDML_JOINTS], const real distance[EDML_PAIRS],
                          edml_objective objective)
 {
     wide sum = 0;
+    real spread = 0;
     const real *d = distance;
     for (int i = 0; i < EDML_JOINTS; i++) {
         for (int j = i + 1; j < EDML_JOINTS; j++, d++) {
             const real square = squared_length(minus(x[i], x[j]));
-            if (!IS_NEAR(square)) return WIDE_MAX;
+            spread += square / 7;
+            if (!IS_NEAR(square) || !IS_NEAR(spread)) return WIDE_MAX;
             sum += stress_term(objective, square - SQUARE(*d), square, *d);
         }
     }

@@ -22,6 +22,7 @@
  *   ASSERT        the condition holds, as intervals show
  *   ASSUME        it holds for the reason beside it, as numbers are related in a way that intervals lose
  *   MUL_TO DIV_TO SHIFT_TO   MUL, DIV, SHIFT with a result that is, for the reason beside it, within +-limit
+ *   ADD_TO                   the same of a sum that a part is added to
  *   WITHIN ALL_WITHIN        is a number within +-limit, and each coordinate of a point?
  *
  * SPDX-License-Identifier: MIT
@@ -77,6 +78,7 @@ typedef float wide;
 #define SATURATE(sum) (sum)
 #define IS_NEAR(square) 1
 #define WIDE_MAX HUGE_VALF
+#define ADD_TO(limit, sum, part) ((sum) += (part))
 #define MUL_TO(limit, a, b) MUL(a, b)
 #define DIV_TO(limit, a, b) DIV(a, b)
 #define SHIFT_TO(limit, a, exponent) SHIFT(a, exponent)

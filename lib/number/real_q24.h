@@ -39,6 +39,7 @@ typedef int64_t wide;
 #define SATURATE(sum) saturate_q40(sum)
 #define IS_NEAR(square) ((square) < INT32_C(64) << 24) /* m^2 */
 #define WIDE_MAX INT64_MAX
+#define ADD_TO(limit, sum, part) ((sum) += (part))
 #define MUL_TO(limit, a, b) MUL(a, b)
 #define DIV_TO(limit, a, b) DIV(a, b)
 #define SHIFT_TO(limit, a, exponent) SHIFT(a, exponent)

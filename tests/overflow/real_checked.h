@@ -37,6 +37,7 @@ typedef checked<int64_t> wide;
 #define SATURATE(sum) checked_saturate(sum)
 #define IS_NEAR(square) ((square) < real(64 << 24))
 #define WIDE_MAX wide::from(INT64_MAX)
+#define ADD_TO(limit, sum, part) ((sum) = checked_to(limit, (sum) + (part)))
 #define MUL_TO(limit, a, b) checked_to(limit, MUL(a, b))
 #define DIV_TO(limit, a, b) checked_to(limit, DIV(a, b))
 #define SHIFT_TO(limit, a, exponent) checked_to(limit, SHIFT(a, exponent))

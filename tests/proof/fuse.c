@@ -1,4 +1,4 @@
-/* The last stage of the lift: from the network's points to the camera's axes.
+/* The last stage of the lift: from points to the camera's axes, with what any model says of the fusion.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -11,6 +11,7 @@ static void with_set(uint16_t seen)
     static point x[EDML_JOINTS];
     static edml_image image;
     static real share[EDML_JOINTS];
+    static edml_model model;
     const real reach = REAL(3.9), one = REAL(1.0) + 1, far = REAL(6.0);
     for (int j = 0; j < EDML_JOINTS; j++) {
         image.at[j].u = Frama_C_interval(-reach, reach);
@@ -23,7 +24,9 @@ static void with_set(uint16_t seen)
     image.down.u = Frama_C_interval(-one, one);
     image.down.v = Frama_C_interval(-one, one);
     image.seen = seen;
-    const real misfit = edml_fuse(x, &image, share, &edml_direct_w16);
+    model.fusion[FUSION_SQUARE].q24 = Frama_C_interval(REAL(0.0001), one);
+    model.fusion[FUSION_NEARNESS].q24 = Frama_C_interval(0, REAL(0.33333334));
+    const real misfit = edml_fuse(x, &image, share, &model);
     ASSERT(0 <= misfit && misfit <= REAL(13.0));
     turn_to_camera(x, image.down);
     for (int j = 0; j < EDML_JOINTS; j++) {

@@ -3,7 +3,7 @@
  *
  *   ASSERT   is proved: EVA complains unless it sees that the condition is true
  *   ASSUME   is believed: a comment beside it says why it is true, and tests/overflow watches it
- *   DIV_TO, MUL_TO, SHIFT_TO   the same of a result, which is within the limit; so the divisor is not 0
+ *   ADD_TO, DIV_TO, MUL_TO, SHIFT_TO   the same of a result, which is within the limit; so the divisor is not 0
  *
  * Products and sums are those of the library.  Quotients and roots are bounds of what lib/number/fixed.c returns,
  * because intervals say nothing of its digits; tests/unit/test_fixed.c compares them with the exact ones.
@@ -37,6 +37,7 @@ void not_here(void);
 
 #undef ASSERT
 #undef ASSUME
+#undef ADD_TO
 #undef DIV_TO
 #undef MUL_TO
 #undef SHIFT_TO
@@ -47,6 +48,7 @@ void not_here(void);
 #undef NORMALISE
 #define ASSERT(condition) proved(condition)
 #define ASSUME(condition) ((condition) ? (void)0 : not_here())
+#define ADD_TO(limit, sum, part) ((sum) = within(limit, (int64_t)(sum) + (part)))
 #define DIV_TO(limit, a, b) quotient_to(limit, a, b)
 #define MUL_TO(limit, a, b) product_to(limit, a, b)
 #define SHIFT_TO(limit, a, exponent) shift_to(limit, a, exponent)

@@ -425,6 +425,34 @@ static void points_far_apart_stay_where_they_are(void)
     }
 }
 
+/* Distances of which one step of raw stress made points of 129 m^2, beyond what orient adds up. */
+static void refined_points_are_those_of_orient(void)
+{
+    static const struct {
+        int pair;
+        int32_t distance;
+    } others[] = {{0, 50326528},  {1, 49807360},  {2, 50200576},  {21, 50310656}, {27, 48234496},
+                  {29, 41943040}, {35, 50069504}, {36, 50329600}, {38, 50282496}, {41, 48234496},
+                  {59, 33554432}, {77, 49905664}, {81, 46137344}};
+    edml_image image = {.seen = (1U << EDML_JOINTS) - 1};
+    for (int n = 0; n < EDML_PAIRS; n++) distance[n] = 3 * ONE;
+    for (size_t n = 0; n < sizeof others / sizeof *others; n++)
+        distance[others[n].pair] = others[n].distance;
+    edml_mds(start, distance, &work);
+    for (int k = 0; k < OBJECTIVES; k++) {
+        const int taken = refined(x, objectives[k], STEPS);
+        double squares = 0;
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            const double at[] = {from_real(x[j].x), from_real(x[j].y), from_real(x[j].z)};
+            squares += at[0] * at[0] + at[1] * at[1] + at[2] * at[2];
+            image.at[j].u = x[j].x / 4;
+            image.at[j].v = x[j].y / 8;
+        }
+        TEST_ASSERT_TRUE(squares < 32 || taken == 0);
+        TEST_ASSERT_EQUAL_INT(EDML_OK, edml_orient(x, &image));
+    }
+}
+
 /* People, their distances off by 30 mm: how far from float32's the points are at worst, and how much worse
  * the objective is. */
 static void compare(edml_objective objective, const char *name)
@@ -483,6 +511,7 @@ int main(void)
     RUN_TEST(stress_is_that_of_float);
     RUN_TEST(stress_of_points_far_apart_is_the_largest_there_is);
     RUN_TEST(points_far_apart_stay_where_they_are);
+    RUN_TEST(refined_points_are_those_of_orient);
     RUN_TEST(s_stress_is_refined_as_by_float);
     RUN_TEST(raw_stress_is_refined_as_by_float);
     RUN_TEST(eq2_is_refined_as_by_float);

@@ -1,11 +1,11 @@
 """What Frama-C's EVA proves of fixed point, as Markdown: no overflow, no index out of bounds.
 
-    run.py reports.eva              prints the tables: half an hour
+    run.py reports.eva              prints the tables: seven minutes of a core
     run.py reports.eva --update     writes them to docs/proof.md
     run.py reports.eva NAME ...     runs these programs of tests/proof alone, on few sets of joints
 
 EVA reads the texts of lib/ behind the words of tests/proof/proof.h.  Any alarm is an error.  What
-EVA cannot see the texts say with ASSUME, MUL_TO, DIV_TO and SHIFT_TO, each with its reason.
+EVA cannot see the texts say with ASSUME, ADD_TO, MUL_TO, DIV_TO and SHIFT_TO, each with its reason.
 """
 
 import argparse
@@ -60,11 +60,22 @@ ALL: dict[str, Program] = {
         "image and upward direction to points, by `edml_direct_w16`",
         (*NETWORK, "models/direct_w16", *JOINTS),
     ),
-    "fuse": Program("points and image to a pose", ("models/direct_w16", *JOINTS)),
-    "mds": Program("distances to points, but for Jacobi's rotations", JOINTS[1:]),
+    "fuse": Program("points and image to a pose", JOINTS[1:]),
+    "jacobi": Program("a symmetric matrix to its eigenvalues and vectors"),
+    "mds": Program("distances to points", JOINTS[1:]),
     "network_distances": Program(
         "image and upward direction to distances and points, by `edml_distances_w16`",
         (*NETWORK, "models/distances_w16", *JOINTS),
+    ),
+    "network_fconn": Program(
+        "image to distances, by `edml_fconn_w16`",
+        ("network/fconn_w16", "network/predict_q", "models/fconn_w16", *JOINTS),
+        ("-eva-min-loop-unroll", "16"),  # layers of 128 rows, 8 at a time
+    ),
+    "orient": Program(
+        "points of distances to the body's axes, by the image alone",
+        JOINTS[1:],
+        (*SPLIT, "-eva-slevel", "100"),
     ),
     "align": Program(
         "points of distances to the axes of the network's points",
@@ -83,7 +94,7 @@ ALL: dict[str, Program] = {
 }
 FUNCTION = r"^\w[\w *()]*?\b(\w+)\([^;{]*\)\s*{(?:.*?)(?:^}|}$)"
 SCOPE = ("api", "geometry", "lift", "optional/camera")  # folders of lib/: lift and placement
-WORDS = "ASSUME|MUL_TO|DIV_TO|SHIFT_TO"
+WORDS = "ASSUME|ADD_TO|MUL_TO|DIV_TO|SHIFT_TO"
 
 
 class Found(NamedTuple):

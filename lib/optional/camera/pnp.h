@@ -233,7 +233,7 @@ static int orthographic_start(estimate *s, const scene *v)
     m.z = cross(m.x, m.y);
     const real length = norm(m.z);
     if (!(length > MUL(RIDGE, MUL(norm(m.x), norm(m.y))) + EPSILON)) return 0;
-    m.z = over(m.z, SQRT(length));
+    m.z = over(m.z, SQRT(length)); /* rows are 1 / (2 root of RIDGE) = 5 long at most, and m.z 25 */
     return nearest_rotation(&s->rotation, &m);
 }
 
