@@ -137,7 +137,7 @@ def test_a_quick_check_builds_and_runs_what_is_quick(check) -> None:
     assert "cmake --build build/check --target quick" in calls
     c, python = (call for call in calls if call.startswith("ctest"))
     assert "--label-regex quick" in c
-    assert "--tests-regex ^python$" in python and "-m 'not slow'" in python
+    assert "--label-regex python" in python and "-m 'not slow'" in python
 
 
 def test_a_long_check_runs_all_python_tests(check) -> None:
