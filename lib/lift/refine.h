@@ -38,7 +38,10 @@ static power_of_two towards_one(wide something)
     return p;
 }
 
-static real scale_by(wide a, power_of_two by) { return TRUNCATE(a * by.up / by.down); }
+static real scale_by(wide a, power_of_two by)
+{
+    return TRUNCATE_TO(REAL(64.0), a * by.up / by.down); /* what is scaled below 1 is |a| / 64 at least */
+}
 
 static real largest_component(const point a[EDML_JOINTS])
 {
@@ -55,7 +58,9 @@ static real largest_component(const point a[EDML_JOINTS])
 
 static real squared_length(point a)
 {
-    return SATURATE(PRODUCT(a.x, a.x) + PRODUCT(a.y, a.y) + PRODUCT(a.z, a.z));
+    const real square = SATURATE(PRODUCT(a.x, a.x) + PRODUCT(a.y, a.y) + PRODUCT(a.z, a.z));
+    ASSUME(square >= 0); /* a sum of squares */
+    return square;
 }
 
 /* excess: d^2 - D^2; square: d^2. */
@@ -119,7 +124,8 @@ static real gradient_unit(edml_objective objective, wide total)
 static real weighted_excess(edml_objective objective, real unit, real excess, real square, real distance)
 {
     if (objective == EDML_STRESS_SQUARE) return excess / unit;
-    return DIV(excess / unit, divisor(objective, excess, square, distance));
+    /* gradient_unit() says why */
+    return DIV_TO(REAL(72.0), excess / unit, divisor(objective, excess, square, distance));
 }
 
 /* The downhill direction: minus the gradient, up to a factor.  |out| <= 52 on each axis. */
@@ -132,11 +138,17 @@ static void downhill(point out[EDML_JOINTS], const point x[EDML_JOINTS], const r
     for (int i = 0; i < EDML_JOINTS; i++) {
         for (int j = i + 1; j < EDML_JOINTS; j++, d++) {
             const point delta = minus(x[i], x[j]);
+            ASSUME(ALL_WITHIN(delta, REAL(8.0))); /* else no step is taken from them */
             const real square = squared_length(delta);
             const real excess = square - SQUARE(*d);
-            const point part = times(weighted_excess(objective, unit, excess, square, *d), delta);
+            const real weighted = weighted_excess(objective, unit, excess, square, *d);
+            /* the first is so of s-stress and eq. 2; of raw stress the product is within 8 / unit */
+            ASSUME(WITHIN(weighted, REAL(9.0)) || ALL_WITHIN(delta, REAL(1.0)));
+            const point part = times(weighted, delta);
             out[i] = minus(out[i], part);
             out[j] = plus(out[j], part);
+            /* gradient_unit() says why */
+            ASSUME(ALL_WITHIN(out[i], REAL(52.0)) && ALL_WITHIN(out[j], REAL(52.0)));
         }
     }
 }
@@ -157,6 +169,7 @@ static quartic along(const point x[EDML_JOINTS], const point step[EDML_JOINTS],
     for (int i = 0; i < EDML_JOINTS; i++) {
         for (int j = i + 1; j < EDML_JOINTS; j++, d++) {
             const point delta = minus(x[i], x[j]);
+            ASSUME(ALL_WITHIN(delta, REAL(8.0))); /* else no step is taken from them */
             const point move = minus(step[i], step[j]);
             const real square = squared_length(delta);
             const real r = square - SQUARE(*d);
@@ -192,6 +205,9 @@ static cubic slope_of(quartic sum)
     const power_of_two p = towards_one(largest);
     const cubic slope = {scale_by(all[0], p), scale_by(all[1], p), scale_by(all[2], p),
                          scale_by(all[3], p)};
+    /* none is above the largest */
+    ASSUME(WITHIN(slope.at0, REAL(1.0)) && WITHIN(slope.at1, REAL(1.0)));
+    ASSUME(WITHIN(slope.at2, REAL(1.0)) && WITHIN(slope.at3, REAL(1.0)));
     return slope;
 }
 
@@ -207,7 +223,8 @@ static real bracket(const cubic *s)
     const real discriminant = SQUARE(s->at2) - 3 * MUL(s->at1, s->at3);
     if (s->at2 < 0 && s->at1 > 0 && discriminant > 0) {
         const real fall = SQRT(discriminant) - s->at2; /* <= 3 */
-        const real peak = s->at1 < MUL(MAX_STEP, fall) ? DIV(s->at1, fall) : MAX_STEP;
+        /* else 4 is less */
+        const real peak = s->at1 < MUL(MAX_STEP, fall) ? DIV_TO(MAX_STEP, s->at1, fall) : MAX_STEP;
         if (slope_at(s, peak) >= 0) return peak;
     }
     real high = REAL(1.0);
@@ -249,7 +266,7 @@ static real kept_fraction(const point now[EDML_JOINTS], const point before[EDML_
     const wide gain = inner_product(now, now) - inner_product(now, before);
     if (!(gain > 0 && gain / 64 < square)) return 0;
     const power_of_two p = towards_one(square);
-    return DIV(scale_by(gain, p), scale_by(square, p));
+    return DIV_TO(REAL(64.1), scale_by(gain, p), scale_by(square, p)); /* gain / square < 64 */
 }
 
 /* now + kept step; each kept component is clamped to +-64, and |now| <= 52. */
@@ -271,6 +288,7 @@ static void try_step(point tried[EDML_JOINTS], const point x[EDML_JOINTS], const
         tried[j].x = scale_by(step[j].x, p);
         tried[j].y = scale_by(step[j].y, p);
         tried[j].z = scale_by(step[j].z, p);
+        ASSUME(ALL_WITHIN(tried[j], REAL(1.0))); /* none is above the largest */
     }
     const real t = line_minimum(along(x, tried, distance, objective));
     for (int j = 0; j < EDML_JOINTS; j++) tried[j] = plus(x[j], times(t, tried[j]));

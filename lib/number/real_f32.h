@@ -8,7 +8,7 @@
  *   DIV16         a / b to 16 fraction bits, where that is enough; 0 <= a < 1/2 <= b
  *   PER_SECOND    a * 1000 / ms, for 0 < ms <= 1300; a real of +-64 at most
  *   HYPOT NORM    length of a vector of two and of three
- *   ABS TRUNCATE  absolute value; a wide that is known to fit, as a real
+ *   ABS           absolute value
  *   PRODUCT       of two reals, as a wide of finer fraction, for sums of up to 2^23
  *   EXACT         of two reals, as a wide with all its bits, for sums of up to 2^15
  *   FROM_EXACT, ROOT_OF_EXACT   such a sum as a real, and its square root, if it is >= 0
@@ -23,6 +23,7 @@
  *   ASSUME        it holds for the reason beside it, as numbers are related in a way that intervals lose
  *   MUL_TO DIV_TO SHIFT_TO   MUL, DIV, SHIFT with a result that is, for the reason beside it, within +-limit
  *   ADD_TO                   the same of a sum that a part is added to
+ *   TRUNCATE_TO              the same of a wide, as a real
  *   WITHIN ALL_WITHIN        is a number within +-limit, and each coordinate of a point?
  *
  * SPDX-License-Identifier: MIT
@@ -68,7 +69,6 @@ typedef float wide;
 #define HYPOT(a, b) sqrtf((a) * (a) + (b) * (b))
 #define NORM(a, b, c) sqrtf((a) * (a) + (b) * (b) + (c) * (c))
 #define ABS(a) fabsf(a)
-#define TRUNCATE(sum) (sum)
 #define PRODUCT(a, b) ((a) * (b))
 #define EXACT(a, b) ((a) * (b))
 #define FROM_EXACT(sum) (sum)
@@ -82,6 +82,7 @@ typedef float wide;
 #define MUL_TO(limit, a, b) MUL(a, b)
 #define DIV_TO(limit, a, b) DIV(a, b)
 #define SHIFT_TO(limit, a, exponent) SHIFT(a, exponent)
+#define TRUNCATE_TO(limit, sum) (sum)
 #define ASSERT(condition) ((void)0)
 #define ASSUME(condition) ((void)0)
 

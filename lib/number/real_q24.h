@@ -29,7 +29,6 @@ typedef int64_t wide;
 #define HYPOT(a, b) hypot_q24(a, b, 0)   /* error < 1 unit, not too large; result < 128 */
 #define NORM(a, b, c) hypot_q24(a, b, c) /* the same */
 #define ABS(a) ((a) < 0 ? -(a) : (a))
-#define TRUNCATE(sum) ((real)(sum))
 #define PRODUCT(a, b) product_q40(a, b)
 #define EXACT(a, b) edml__product(a, b)
 #define FROM_EXACT(sum) ((real)(((sum) + (INT32_C(1) << 23)) >> 24))
@@ -43,6 +42,7 @@ typedef int64_t wide;
 #define MUL_TO(limit, a, b) MUL(a, b)
 #define DIV_TO(limit, a, b) DIV(a, b)
 #define SHIFT_TO(limit, a, exponent) SHIFT(a, exponent)
+#define TRUNCATE_TO(limit, sum) ((real)(sum))
 #define ASSERT(condition) ((void)0)
 #define ASSUME(condition) ((void)0)
 

@@ -24,7 +24,7 @@ template <typename T> class checked
     template <typename Other, typename = typename std::enable_if<(sizeof(Other) < sizeof(T))>::type>
     checked(checked<Other> narrower) : value_(narrower.value())
     {
-    } /* the way back is TRUNCATE */
+    } /* the way back is TRUNCATE_TO */
     T value() const { return value_; }
 
     /* A result, given in more bits. */

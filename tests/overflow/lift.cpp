@@ -133,6 +133,14 @@ extern "C" edml_status checked_lift(edml_pose_q *out, const edml_keypoint_q in[E
     return status;
 }
 
+/* The objective before it as well. */
+static int refine(point x[EDML_JOINTS], const real distance[EDML_PAIRS], edml_objective objective, int steps,
+                  edml_work_checked *work)
+{
+    edml_stress_checked(x, distance, objective);
+    return edml_refine_checked(x, distance, objective, steps, work);
+}
+
 extern "C" int checked_refine(int32_t out[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS],
                               edml_objective objective, int steps, checked_tally *taken)
 {
@@ -142,9 +150,23 @@ extern "C" int checked_refine(int32_t out[EDML_JOINTS][3], const int32_t distanc
     tally = checked_tally();
     for (int k = 0; k < EDML_PAIRS; k++) between[k] = distance[k];
     edml_mds_checked(x, between, &work);
-    edml_stress_checked(x, between, objective);
-    const int steps_taken = edml_refine_checked(x, between, objective, steps, &work);
+    const int steps_taken = refine(x, between, objective, steps, &work);
     copy(&out[0][0], x);
+    *taken = tally;
+    return steps_taken;
+}
+
+extern "C" int checked_refine_points(edml_point_q24 out[EDML_JOINTS], const int32_t distance[EDML_PAIRS],
+                                     edml_objective objective, int steps, checked_tally *taken)
+{
+    edml_work_checked work;
+    real between[EDML_PAIRS];
+    point x[EDML_JOINTS];
+    take(x, out);
+    tally = checked_tally();
+    for (int k = 0; k < EDML_PAIRS; k++) between[k] = distance[k];
+    const int steps_taken = refine(x, between, objective, steps, &work);
+    copy(&out[0].x, x);
     *taken = tally;
     return steps_taken;
 }

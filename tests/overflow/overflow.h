@@ -38,10 +38,12 @@ void checked_track_start(const edml_track_q *set);
 edml_status checked_track_lift(edml_pose_q *pose, int32_t *distance, const edml_keypoint_q in[EDML_JOINTS],
                                uint32_t time_ms, const edml_model *model, checked_tally *tally);
 
-/* edml_refine_q() of the points of edml_mds_q(), and the objective before it.
+/* edml_refine_q() of the points of edml_mds_q() or of these, and the objective before it.
  *   distance  0 to 3 m, Q24 */
 int checked_refine(int32_t x[EDML_JOINTS][3], const int32_t distance[EDML_PAIRS], edml_objective objective,
                    int steps, checked_tally *tally);
+int checked_refine_points(edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_PAIRS],
+                          edml_objective objective, int steps, checked_tally *tally);
 
 /* Stages alone, and what they took: edml_body_frame_q(), edml_predict_q() as far as the model gives something,
  * edml_jacobi_q() without its work memory, edml_align_q() and edml_orient_q(). */

@@ -212,6 +212,62 @@ static void crowds_three_metres_apart(void)
     }
 }
 
+/* Up to `most` on either side of `middle`: anything, or one of the two ends. */
+static int32_t some_coordinate(rng *r, int32_t middle, int32_t most, int is_end)
+{
+    const uint32_t bits = rng_bits(r);
+    if (is_end) return bits & 1 << 16 ? middle + most : middle - most;
+    return middle - most + (int32_t)(bits % (uint32_t)(2 * most + 1));
+}
+
+static edml_point_q24 some_point(rng *r, edml_point_q24 middle, int32_t most, int is_end)
+{
+    const edml_point_q24 p = {some_coordinate(r, middle.x, most, is_end),
+                              some_coordinate(r, middle.y, most, is_end),
+                              some_coordinate(r, middle.z, most, is_end)};
+    return p;
+}
+
+/* Returns for how many objectives the points were moved. */
+static int refine_both(const edml_point_q24 x[EDML_JOINTS], const int32_t distance[EDML_PAIRS])
+{
+    enum { STEPS = 14 };
+    int refined = 0;
+    for (int n = EDML_STRESS_SQUARE; n <= EDML_STRESS_EQ2; n++) {
+        const edml_objective objective = (edml_objective)n;
+        edml_point_q24 expected[EDML_JOINTS], found[EDML_JOINTS];
+        checked_tally taken;
+        memcpy(expected, x, sizeof expected);
+        memcpy(found, x, sizeof found);
+        const int steps = edml_refine_q(expected, distance, objective, STEPS, &work);
+        TEST_ASSERT_EQUAL_INT(steps, checked_refine_points(found, distance, objective, STEPS, &taken));
+        TEST_ASSERT_SAME_BYTES(expected, found);
+        TEST_ASSERT_EQUAL_INT(0, taken.overflows);
+        refined += steps > 0;
+    }
+    return refined;
+}
+
+/* In a heap of any size anywhere within 63 m, and distances that have nothing to do with it. */
+static void refinements_of_points_anywhere(void)
+{
+    const int32_t metre = 1 << 24, half = THREE_METRES / 2;
+    const edml_point_q24 origin = {0, 0, 0};
+    rng r = rng_seed(188);
+    int refined = 0;
+    for (int n = 0; n < 3000; n++) {
+        edml_point_q24 x[EDML_JOINTS];
+        int32_t distance[EDML_PAIRS];
+        const int32_t size = (int32_t)(rng_bits(&r) % (4U << 24)) >> n % 22;
+        const edml_point_q24 middle = some_point(&r, origin, 63 * metre - size, n % 4 == 0);
+        for (int j = 0; j < EDML_JOINTS; j++) x[j] = some_point(&r, middle, size, n % 5 == 0);
+        for (int k = 0; k < EDML_PAIRS; k++)
+            distance[k] = some_coordinate(&r, half, half, n % 3 == 0) >> (n % 3 == 1 ? n % 22 : 0);
+        refined += refine_both(x, distance);
+    }
+    TEST_ASSERT_TRUE(refined > 5000);
+}
+
 /* Outputs of an equivariant network, each -3 to 3 m: anything, small ones, or nothing between; of people and
  * of joints anywhere. */
 static void any_outputs_up_to_three_metres(void)
@@ -738,6 +794,7 @@ int main(void)
     RUN_TEST(any_distances_up_to_three_metres);
     RUN_TEST(distances_of_nothing_and_three_metres);
     RUN_TEST(crowds_three_metres_apart);
+    RUN_TEST(refinements_of_points_anywhere);
     RUN_TEST(any_outputs_up_to_three_metres);
     RUN_TEST(networks_without_imputation);
     RUN_TEST(placements);

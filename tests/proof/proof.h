@@ -3,7 +3,8 @@
  *
  *   ASSERT   is proved: EVA complains unless it sees that the condition is true
  *   ASSUME   is believed: a comment beside it says why it is true, and tests/overflow watches it
- *   ADD_TO, DIV_TO, MUL_TO, SHIFT_TO   the same of a result, which is within the limit; so the divisor is not 0
+ *   ADD_TO, DIV_TO, MUL_TO, SHIFT_TO, TRUNCATE_TO   the same of a result, which is within the limit: so
+ *            no divisor is 0, and a sum that is truncated fits 64 bits
  *
  * Products and sums are those of the library.  Quotients and roots are bounds of what lib/number/fixed.c returns,
  * because intervals say nothing of its digits; tests/unit/test_fixed.c compares them with the exact ones.
@@ -41,6 +42,7 @@ void not_here(void);
 #undef DIV_TO
 #undef MUL_TO
 #undef SHIFT_TO
+#undef TRUNCATE_TO
 #undef REAL
 #undef SQUARE
 #undef HYPOT
@@ -52,6 +54,7 @@ void not_here(void);
 #define DIV_TO(limit, a, b) quotient_to(limit, a, b)
 #define MUL_TO(limit, a, b) product_to(limit, a, b)
 #define SHIFT_TO(limit, a, exponent) shift_to(limit, a, exponent)
+#define TRUNCATE_TO(limit, sum) Frama_C_interval(-(limit), limit)
 #define WITHIN(a, most) (-(most) <= (a) && (a) <= (most))
 #define ALL_WITHIN(p, most) (WITHIN((p).x, most) && WITHIN((p).y, most) && WITHIN((p).z, most))
 #define REAL(constant) ((real)(constant * 16777216.0 + 0.5)) /* EVA has no long double */

@@ -5,7 +5,8 @@
     run.py reports.eva NAME ...     runs these programs of tests/proof alone, on few sets of joints
 
 EVA reads the texts of lib/ behind the words of tests/proof/proof.h.  Any alarm is an error.  What
-EVA cannot see the texts say with ASSUME, ADD_TO, MUL_TO, DIV_TO and SHIFT_TO, each with its reason.
+EVA cannot see the texts say with ASSUME, ADD_TO, MUL_TO, DIV_TO, SHIFT_TO and TRUNCATE_TO, each
+with its reason.
 """
 
 import argparse
@@ -72,6 +73,10 @@ ALL: dict[str, Program] = {
         ("network/fconn_w16", "network/predict_q", "models/fconn_w16", *JOINTS),
         ("-eva-min-loop-unroll", "16"),  # layers of 128 rows, 8 at a time
     ),
+    "refine": Program(
+        "points of distances moved downhill, by each objective",
+        options=("-eva-partition-history", "1"),
+    ),
     "orient": Program(
         "points of distances to the body's axes, by the image alone",
         JOINTS[1:],
@@ -94,7 +99,7 @@ ALL: dict[str, Program] = {
 }
 FUNCTION = r"^\w[\w *()]*?\b(\w+)\([^;{]*\)\s*{(?:.*?)(?:^}|}$)"
 SCOPE = ("api", "geometry", "lift", "optional/camera")  # folders of lib/: lift and placement
-WORDS = "ASSUME|ADD_TO|MUL_TO|DIV_TO|SHIFT_TO"
+WORDS = "ASSUME|ADD_TO|MUL_TO|DIV_TO|SHIFT_TO|TRUNCATE_TO"
 
 
 class Found(NamedTuple):
