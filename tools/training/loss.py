@@ -10,7 +10,6 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 import optax.contrib
-from optax.contrib import MuonDimensionNumbers
 
 from edmlift.joints import BONES, HINGES
 from model import fconn, fconv, jax_stages, lifter
@@ -191,22 +190,9 @@ def make_optimizer(recipe: Recipe, steps_per_epoch: int) -> optax.GradientTransf
 
 
 def muon(schedule: optax.Schedule) -> optax.GradientTransformation:
-    """Muon (K. Jordan et al., 2024): steps along orthogonalised momentum for the matrices of
+    """Muon (K. Jordan et al., 2024): steps along orthogonalised momentum for matrices, which are
     weights, and Adam's with Nesterov's momentum for the rest.  All are about as large as Adam's."""
-
-    def matrices(params: Params) -> Any:
-        """Which parameters are such matrices; None: not this one."""
-        return jax.tree_util.tree_map_with_path(
-            lambda path, _: MuonDimensionNumbers() if path[0].key.startswith("weight") else None,
-            params,
-        )
-
-    return optax.contrib.muon(
-        schedule,
-        adam_learning_rate=schedule,
-        consistent_rms=0.2,
-        muon_weight_dimension_numbers=matrices,
-    )
+    return optax.contrib.muon(schedule, adam_learning_rate=schedule, consistent_rms=0.2)
 
 
 # ---- Validation ------------------------------------------------------------------------------
