@@ -450,6 +450,18 @@ static void placements_of_points_nearly_on_a_line(void)
     TEST_ASSERT_TRUE(placed > 2000);
 }
 
+static void place_known(const edml_pose_q *points, const edml_keypoint_q image[EDML_JOINTS], edml_camera by)
+{
+    edml_pose pose;
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        pose.joint[j].x = (float)points->joint[j].x / 65536;
+        pose.joint[j].y = (float)points->joint[j].y / 65536;
+        pose.joint[j].z = (float)points->joint[j].z / 65536;
+    }
+    memcpy(in, image, sizeof in);
+    place_both(&pose, &by);
+}
+
 /* Fourteen points of which one coordinate of a step did overflow, before it was limited. */
 static void a_placement_that_did_overflow(void)
 {
@@ -469,14 +481,37 @@ static void a_placement_that_did_overflow(void)
         {20541285, 17128764, 166},   {20500717, 18291103, 20187}, {21323905, 15588899, 32767},
         {21360544, 17016730, 32767}, {21527946, 18285539, 32767}};
     const edml_camera by = {6093584 / 65536.0F, 6093584 / 65536.0F, 320, 240};
-    edml_pose pose;
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        pose.joint[j].x = (float)points.joint[j].x / 65536;
-        pose.joint[j].y = (float)points.joint[j].y / 65536;
-        pose.joint[j].z = (float)points.joint[j].z / 65536;
-    }
-    memcpy(in, image, sizeof in);
-    place_both(&pose, &by);
+    place_known(&points, image, by);
+}
+
+/* Fourteen points, no person's, whose normal equations in the image have the largest entries that a search
+ * found: about 84, of 128 that fit. */
+static void a_placement_with_large_normal_equations(void)
+{
+    static const edml_pose_q points = {{{1458, 1453, -1453},
+                                        {-6709, 1464, 1866},
+                                        {-1156, 1231, 1628},
+                                        {899, 1383, 2378},
+                                        {-1543, -1124, 1537},
+                                        {1494, 1400, -1447},
+                                        {-1432, 614, 1479},
+                                        {38236, -108104, 150537},
+                                        {1407, -1408, -1537},
+                                        {1702, -1764, -1482},
+                                        {1366, -1389, 1635},
+                                        {0, 1857, 1515},
+                                        {1867, 994, 1690},
+                                        {1168, -1426, -788}},
+                                       0,
+                                       0};
+    static const edml_keypoint_q image[EDML_JOINTS] = {
+        {135568641, 108232379, 29206}, {55504886, 38835811, 3383},    {1049515, 35339638, 26499},
+        {58430546, 25647458, 8073},    {657393, -43227333, 11042},    {133912436, 109774884, 32767},
+        {1616082, 27879750, 9018},     {34687610, -124499950, 29},    {135307190, -107965289, 32767},
+        {139253070, -108233619, 32767}, {56736869, -30561896, 1350},  {54952530, 24728089, 14549},
+        {60755222, 17201529, 286},     {139161108, -108842395, 11177}};
+    const edml_camera by = {69626536 / 65536.0F, 69626536 / 65536.0F, 0, 0};
+    place_known(&points, image, by);
 }
 
 static void placements_with_unknown_focal_length(void)
@@ -801,6 +836,7 @@ int main(void)
     RUN_TEST(placements_of_noise);
     RUN_TEST(placements_of_points_nearly_on_a_line);
     RUN_TEST(a_placement_that_did_overflow);
+    RUN_TEST(a_placement_with_large_normal_equations);
     RUN_TEST(placements_with_unknown_focal_length);
     RUN_TEST(lifts_with_a_camera);
     RUN_TEST(searches_for_a_focal_length);

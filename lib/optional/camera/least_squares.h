@@ -20,8 +20,9 @@ static int is_solution(wide numerator, real pivot)
 }
 
 /* Solves A x = b for a symmetric positive A by elimination; returns 0 if there is no solution whose components
- * are below MAX_SOLUTION, or if A is nearly singular: an entry is 64 times the pivot.  A's entries are 9 at most,
- * those of b 50.  A numerator over a pivot d is below sqrt(d) times the root of A's largest entry. */
+ * are below MAX_SOLUTION, or if A is nearly singular: an entry is 64 times the pivot.  A's entries are 2 at most
+ * in space; in the image, of points that are no person's, a search found 84 (tests/overflow).  A numerator over
+ * a pivot d is below sqrt(d) times the root of A's largest entry. */
 static int solve3(point *x, const matrix3 *a, point b)
 {
     const real one = REAL(1.0);
