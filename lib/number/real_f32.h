@@ -76,7 +76,7 @@ typedef float wide;
 #define NORMALISE(x, n) ((void)(x), (void)(n), 0)
 #define SHIFT(a, exponent) ((void)(exponent), (a))
 #define SATURATE(sum) (sum)
-#define IS_NEAR(square) 1
+#define IS_NEAR(square) ((void)(square), 1)
 #define WIDE_MAX HUGE_VALF
 #define ADD_TO(limit, sum, part) ((sum) += (part))
 #define MUL_TO(limit, a, b) MUL(a, b)
