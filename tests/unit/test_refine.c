@@ -217,6 +217,17 @@ static void the_objective_never_rises_for_heaps(void)
     }
 }
 
+/* It comes nearer in steps of MAX_STEP. */
+static void the_objective_never_rises_from_a_joint_far_away(void)
+{
+    for (int j = 0; j < EDML_JOINTS; j++) {
+        a_standing_person();
+        person[j].x += 5;
+        use_start();
+        check_downhill();
+    }
+}
+
 static void distances_of_zero_draw_the_points_together(void)
 {
     memset(distance, 0, sizeof distance);
@@ -497,6 +508,7 @@ int main(void)
     RUN_TEST(the_objective_never_rises_from_a_line_or_a_plane);
     RUN_TEST(the_objective_never_rises_for_impossible_distances);
     RUN_TEST(the_objective_never_rises_for_heaps);
+    RUN_TEST(the_objective_never_rises_from_a_joint_far_away);
     RUN_TEST(distances_of_zero_draw_the_points_together);
     RUN_TEST(equal_points_stay_where_they_are);
     RUN_TEST(the_right_points_stay_nearly_where_they_are);
