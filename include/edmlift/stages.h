@@ -114,7 +114,7 @@ float edml_fuse(edml_point x[EDML_JOINTS], const edml_image *image, const float 
  * eigenpairs are accurate to about 2^-20, absolutely; points of edml_mds_q().
  * edml_refine_q() takes any points within 63 m on each axis, but leaves them alone where two are 8 m or more
  * apart, or the squares of all distances between them add up to 448 m^2 or more.  A stress above 64, or of such
- * points, is returned as 64.  The points that it moves are still those of edml_orient_q(). */
+ * points, is returned as 64.  So what it moves is no wider, about its mean, than edml_orient_q() can take. */
 typedef struct {
     int32_t at[EDML_JOINTS][EDML_JOINTS];
 } edml_matrix_q;

@@ -22,8 +22,8 @@
 #define PARALLEL_SQUARED REAL(9.5367431640625e-7) /* 2^-20: squared sine that rounding can make */
 
 /* Sums over the seen joints.  The points are those of the MDS, of any distances up to 3 m, or refined: their
- * squares add up to at most 105, and along any axis to 32 (lift/refine.h).  The image's coordinates are halved: their squares
- * add up to at most 47. */
+ * squares about the mean add up to at most 105, and along any axis to 32 (lift/refine.h).  The image's
+ * coordinates are halved: their squares add up to at most 47. */
 typedef struct {
     real xx, xy, xz, yy, yz, zz; /* products of the points about their mean */
     point u, v;                  /* points times image: at most 75 */
@@ -168,7 +168,7 @@ static EDML_NOINLINE void to_camera_axes(point x[EDML_JOINTS], const point *righ
     for (int j = 0; j < EDML_JOINTS; j++) {
         const point rotated = {dot(*right, x[j]), dot(*down, x[j]), dot(away, x[j])};
         x[j] = rotated;
-        ASSUME(ALL_WITHIN(x[j], REAL(5.71))); /* as before, along other axes */
+        ASSUME(ALL_WITHIN(x[j], REAL(5.71))); /* those of the MDS as before, along other axes */
     }
 }
 

@@ -113,7 +113,7 @@ def test_tables_of_tools_have_both_marks(page: Path) -> None:
 
 @pytest.fixture(scope="module")
 def printed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """What each program prints, compiled as the README says."""
+    """What each program prints."""
     if shutil.which("gcc") is None:
         pytest.skip("no gcc")
     folder = tmp_path_factory.mktemp("programs")
