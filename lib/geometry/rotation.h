@@ -7,6 +7,10 @@
 
 #include "matrix3.h"
 
+/* The rows of a rotation, but for rounding. */
+#define ARE_UNIT_VECTORS(r)                                                                                \
+    (ALL_WITHIN((r).x, REAL(1.001)) && ALL_WITHIN((r).y, REAL(1.001)) && ALL_WITHIN((r).z, REAL(1.001)))
+
 /* The smallest rotation that brings a unit vector onto the z axis.  z.z > -1 */
 static inline matrix3 rotation_onto(point z)
 {
@@ -42,11 +46,15 @@ static inline matrix3 compose(const matrix3 *second, const matrix3 *first)
  * 1986) takes it out: what R R' is off by, e, becomes 3/4 e^2. */
 static inline matrix3 compose_rotations(const matrix3 *second, const matrix3 *first)
 {
-    const matrix3 r = compose(second, first), back = transpose(&r), square = compose(&r, &back);
+    const matrix3 r = compose(second, first);
+    ASSUME(ARE_UNIT_VECTORS(r)); /* as those of both */
+    const matrix3 back = transpose(&r), square = compose(&r, &back);
     const matrix3 newton = {{REAL(1.5) - square.x.x / 2, -square.x.y / 2, -square.x.z / 2},
                             {-square.y.x / 2, REAL(1.5) - square.y.y / 2, -square.y.z / 2},
                             {-square.z.x / 2, -square.z.y / 2, REAL(1.5) - square.z.z / 2}};
-    return compose(&newton, &r);
+    const matrix3 rotation = compose(&newton, &r);
+    ASSUME(ARE_UNIT_VECTORS(rotation)); /* the same, but for less */
+    return rotation;
 }
 
 /* Rotation of the quaternion (w, v), whose square is between 1/4 and 64.  Out of line, so that its locals are
@@ -63,8 +71,7 @@ static EDML_NOINLINE matrix3 quaternion_rotation(real w, point v)
     const matrix3 r = {{REAL(1.0) - yy - zz, xy - wz, xz + wy},
                        {xy + wz, REAL(1.0) - xx - zz, yz - wx},
                        {xz - wy, yz + wx, REAL(1.0) - xx - yy}};
-    /* unit vectors */
-    ASSUME(ALL_WITHIN(r.x, REAL(1.001)) && ALL_WITHIN(r.y, REAL(1.001)) && ALL_WITHIN(r.z, REAL(1.001)));
+    ASSUME(ARE_UNIT_VECTORS(r)); /* its rows */
     return r;
 }
 

@@ -83,6 +83,8 @@ typedef float wide;
 #define DIV_TO(limit, a, b) DIV(a, b)
 #define SHIFT_TO(limit, a, exponent) SHIFT(a, exponent)
 #define TRUNCATE_TO(limit, sum) (sum)
+#define WITHIN(a, most) (-(most) <= (a) && (a) <= (most))
+#define ALL_WITHIN(p, most) (WITHIN((p).x, most) && WITHIN((p).y, most) && WITHIN((p).z, most))
 #define ASSERT(condition) ((void)0)
 #define ASSUME(condition) ((void)0)
 

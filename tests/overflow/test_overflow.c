@@ -485,7 +485,7 @@ static void a_placement_that_did_overflow(void)
 }
 
 /* Fourteen points, no person's, whose normal equations in the image have the largest entries that a search
- * found: about 84, of 128 that fit. */
+ * found: about 84, where they are clamped to 64. */
 static void a_placement_with_large_normal_equations(void)
 {
     static const edml_pose_q points = {{{1458, 1453, -1453},

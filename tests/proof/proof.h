@@ -55,8 +55,6 @@ void not_here(void);
 #define MUL_TO(limit, a, b) product_to(limit, a, b)
 #define SHIFT_TO(limit, a, exponent) shift_to(limit, a, exponent)
 #define TRUNCATE_TO(limit, sum) Frama_C_interval(-(limit), limit)
-#define WITHIN(a, most) (-(most) <= (a) && (a) <= (most))
-#define ALL_WITHIN(p, most) (WITHIN((p).x, most) && WITHIN((p).y, most) && WITHIN((p).z, most))
 #define REAL(constant) ((real)(constant * 16777216.0 + 0.5)) /* EVA has no long double */
 #define SQUARE(a) square_q24_of(a)
 #define HYPOT(a, b) length_of(a, b, 0)

@@ -95,7 +95,7 @@ ALL: dict[str, Program] = {
         JOINTS[1:],
         SPLIT,
     ),
-    "scene": Program("pose, keypoints and camera to the scene of a placement", JOINTS[1:], SPLIT),
+    "place": Program("pose, keypoints and camera to a placement", JOINTS[1:], SPLIT),
 }
 FUNCTION = r"^\w[\w *()]*?\b(\w+)\([^;{]*\)\s*{(?:.*?)(?:^}|}$)"
 SCOPE = ("api", "geometry", "lift", "optional/camera")  # folders of lib/: lift and placement

@@ -1,47 +1,71 @@
-/* Least squares of three and of six unknowns, by normal equations.
+/* Least squares by normal equations.
+ *
+ * A solution is a proposal: whoever asks for it compares errors before and after.  So sums beyond 64 are clamped,
+ * and no input makes one overflow.  A person's are below 10; of points that are no person's a search found 84
+ * (tests/overflow).
  *
  * SPDX-License-Identifier: MIT
  */
 #ifndef EDML_LEAST_SQUARES_H
 #define EDML_LEAST_SQUARES_H
 
-#include "../../geometry/rotation.h"
+#include "../../geometry/matrix3.h"
+
+#define UNKNOWNS 6
+#define COLUMNS 7 /* the unknowns', and the right side's */
 
 #define SINGULAR_PIVOT REAL(0.000244140625) /* 2^-12: pivots up to this are zero */
 #define MAX_SOLUTION REAL(8.0)              /* solutions beyond it are none */
 
 static const matrix3 zero_matrix = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
 
-/* Is a numerator, a sum of products, over a pivot within MAX_SOLUTION? */
-static int is_solution(wide numerator, real pivot)
+/* Takes unknown p out of the rows below; returns 0 if they are nearly singular: an entry is 64 times the pivot. */
+static int eliminate(real rows[][COLUMNS], int p, int n)
 {
-    const wide most = PRODUCT(MAX_SOLUTION, pivot);
-    return -most < numerator && numerator < most;
+    const real *from = rows[p], pivot = from[p];
+    if (!(pivot > SINGULAR_PIVOT)) return 0;
+    for (int i = p + 1; i < n; i++) {
+        if (ABS(from[i]) / 64 >= pivot) return 0;
+        const real ratio = DIV_TO(REAL(64.0), from[i], pivot); /* as it was compared */
+        real *const row = rows[i];
+        for (int k = i; k <= n; k++) row[k] = SATURATE(PRODUCT(row[k], REAL(1.0)) - PRODUCT(ratio, from[k]));
+    }
+    return 1;
 }
 
-/* Solves A x = b for a symmetric positive A by elimination; returns 0 if there is no solution whose components
- * are below MAX_SOLUTION, or if A is nearly singular: an entry is 64 times the pivot.  A's entries are 2 at most
- * in space; in the image, of points that are no person's, a search found 84 (tests/overflow).  A numerator over
- * a pivot d is below sqrt(d) times the root of A's largest entry. */
+/* Returns 0 if a sum is beyond 64, or MAX_SOLUTION times the pivot. */
+static int divide_by_pivot(real *x, wide sum, real pivot)
+{
+    const wide most = PRODUCT(MAX_SOLUTION, pivot < REAL(8.0) ? pivot : REAL(8.0));
+    if (!(-most < sum && sum < most)) return 0;
+    *x = DIV_TO(MAX_SOLUTION, SATURATE(sum), pivot); /* as it was compared */
+    return 1;
+}
+
+/* Solves A x = b for a symmetric positive A by elimination.  Row i has A's from the diagonal on, then b[i] in
+ * column n.  Returns 0 if A is nearly singular, or there is no solution within MAX_SOLUTION. */
+static int solve(real *x, real rows[][COLUMNS], int n)
+{
+    for (int p = 0; p < n; p++)
+        if (!eliminate(rows, p, n)) return 0;
+    for (int p = n - 1; p >= 0; p--) {
+        const real *const row = rows[p];
+        wide sum = PRODUCT(row[n], REAL(1.0));
+        for (int k = p + 1; k < n; k++) sum -= PRODUCT(row[k], x[k]);
+        if (!divide_by_pivot(&x[p], sum, row[p])) return 0;
+    }
+    return 1;
+}
+
+/* The same of three unknowns. */
 static int solve3(point *x, const matrix3 *a, point b)
 {
-    const real one = REAL(1.0);
-    if (!(a->x.x > SINGULAR_PIVOT) || ABS(a->x.y) / 64 >= a->x.x || ABS(a->x.z) / 64 >= a->x.x) return 0;
-    const real yx = DIV(a->x.y, a->x.x), zx = DIV(a->x.z, a->x.x);
-    const real yy = a->y.y - MUL(yx, a->x.y), yz = a->y.z - MUL(yx, a->x.z);
-    if (!(yy > SINGULAR_PIVOT) || ABS(yz) / 64 >= yy) return 0;
-    const real zy = DIV(yz, yy);
-    const real zz = a->z.z - MUL(zx, a->x.z) - MUL(zy, yz);
-    b.y -= MUL(yx, b.x);
-    b.z -= MUL(zx, b.x) + MUL(zy, b.y);
-    if (!(zz > SINGULAR_PIVOT) || !is_solution(PRODUCT(b.z, one), zz)) return 0;
-    x->z = DIV(b.z, zz);
-    if (!is_solution(PRODUCT(b.y, one), yy)) return 0;
-    if (!is_solution(PRODUCT(b.y, one) - PRODUCT(yz, x->z), yy)) return 0;
-    x->y = DIV(b.y, yy) - MUL(zy, x->z); /* both below 16 */
-    const wide rest = PRODUCT(b.x, one) - PRODUCT(a->x.y, x->y) - PRODUCT(a->x.z, x->z);
-    if (!is_solution(rest, a->x.x)) return 0;
-    x->x = DIV(b.x - MUL(a->x.y, x->y) - MUL(a->x.z, x->z), a->x.x);
+    real found[3], rows[3][COLUMNS] = {
+                       {a->x.x, a->x.y, a->x.z, b.x}, {0, a->y.y, a->y.z, b.y}, {0, 0, a->z.z, b.z}};
+    if (!solve(found, rows, 3)) return 0;
+    x->x = found[0];
+    x->y = found[1];
+    x->z = found[2];
     return 1;
 }
 
@@ -53,45 +77,63 @@ static void add_product(matrix3 *sum, point a, point b)
     sum->z = plus(sum->z, times(a.z, b));
 }
 
-/* Adds a a', upper triangle. */
-static void add_square(matrix3 *sum, point a)
-{
-    sum->x = plus(sum->x, times(a.x, a));
-    sum->y.y += SQUARE(a.y);
-    sum->y.z += MUL(a.y, a.z);
-    sum->z.z += SQUARE(a.z);
-}
-
 /* Normal equations of a translation and a rotation vector. */
 typedef struct {
-    matrix3 translation, both, rotation; /* both: rotation times translation */
-    point to_translation, to_rotation;
+    wide translation[3][3], both[3][3], rotation[3][3]; /* both: translation times rotation */
+    wide to_translation[3], to_rotation[3];
 } equations;
 
-/* Adds the square of what one direction misses. */
-static void add_miss(equations *n, point across, point lever, real miss)
+/* Inline, so that what is added stays in registers. */
+static EDML_INLINE void add_multiple_to(wide sum[3], real scale, point a)
 {
-    add_square(&n->translation, across);
-    add_product(&n->both, lever, across);
-    add_square(&n->rotation, lever);
-    n->to_translation = minus(n->to_translation, times(miss, across));
-    n->to_rotation = minus(n->to_rotation, times(miss, lever));
+    sum[0] += PRODUCT(scale, a.x);
+    sum[1] += PRODUCT(scale, a.y);
+    sum[2] += PRODUCT(scale, a.z);
 }
 
-/* The translation is eliminated first. */
-static int solve_step(point *translation, point *rotation, equations *n)
+static EDML_INLINE void add_product_to(wide sum[3][3], point a, point b)
 {
-    point unrotated;
-    matrix3 k;
-    if (!solve3(&unrotated, &n->translation, n->to_translation) ||
-        !solve3(&k.x, &n->translation, n->both.x) || !solve3(&k.y, &n->translation, n->both.y) ||
-        !solve3(&k.z, &n->translation, n->both.z))
-        return 0;
-    n->rotation.x = minus(n->rotation.x, rotate(&k, n->both.x));
-    n->rotation.y = minus(n->rotation.y, rotate(&k, n->both.y));
-    n->rotation.z = minus(n->rotation.z, rotate(&k, n->both.z));
-    if (!solve3(rotation, &n->rotation, minus(n->to_rotation, rotate(&n->both, unrotated)))) return 0;
-    *translation = minus(unrotated, rotate_back(&k, *rotation));
+    add_multiple_to(sum[0], a.x, b);
+    add_multiple_to(sum[1], a.y, b);
+    add_multiple_to(sum[2], a.z, b);
+}
+
+static EDML_INLINE void add_square_to(wide sum[3][3], point a) /* upper triangle */
+{
+    add_multiple_to(sum[0], a.x, a);
+    sum[1][1] += PRODUCT(a.y, a.y);
+    sum[1][2] += PRODUCT(a.y, a.z);
+    sum[2][2] += PRODUCT(a.z, a.z);
+}
+
+/* Adds the square of what one direction misses.  It changes by `across` where joints are moved, and by `lever`
+ * where they are turned. */
+static void add_miss(equations *n, point across, point lever, real miss)
+{
+    add_square_to(n->translation, across);
+    add_product_to(n->both, across, lever);
+    add_square_to(n->rotation, lever);
+    add_multiple_to(n->to_translation, -miss, across);
+    add_multiple_to(n->to_rotation, -miss, lever);
+}
+
+/* The translation and the rotation vector with the least sum of squares; 0 if there are none. */
+static int solve_step(point *translation, point *rotation, const equations *n)
+{
+    real x[UNKNOWNS], rows[UNKNOWNS][COLUMNS];
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++) {
+            rows[i][k] = SATURATE(n->translation[i][k]);
+            rows[i][3 + k] = SATURATE(n->both[i][k]);
+            rows[3 + i][3 + k] = SATURATE(n->rotation[i][k]);
+        }
+        rows[i][UNKNOWNS] = SATURATE(n->to_translation[i]);
+        rows[3 + i][UNKNOWNS] = SATURATE(n->to_rotation[i]);
+    }
+    if (!solve(x, rows, UNKNOWNS)) return 0;
+    const point moved = {x[0], x[1], x[2]}, turned = {x[3], x[4], x[5]};
+    *translation = moved;
+    *rotation = turned;
     return 1;
 }
 

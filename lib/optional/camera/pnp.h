@@ -14,6 +14,9 @@
 #ifndef EDML_PNP_H
 #define EDML_PNP_H
 
+#include <string.h>
+
+#include "../../geometry/rotation.h"
 #include "scene.h"
 
 #define MAX_DISTANCE REAL(100.0) /* metres */
@@ -26,6 +29,7 @@ enum { MAX_STEPS = 24, MAX_EXTRAPOLATIONS = 8, MAX_REFINEMENTS = 5 };
 
 #define MAX_MISS REAL(2.0)              /* a joint is off by no more, in units of spread */
 #define MIN_DEPTH REAL(0.3333333333333) /* of the person's depth: no joint is nearer */
+#define MAX_IN_CAMERA REAL(63.0)        /* a joint is no farther, in units of the size, depth times spread */
 
 typedef struct {
     matrix3 rotation;
@@ -35,15 +39,41 @@ typedef struct {
 
 /* ---- Residuals ---------------------------------------------------------------------------------- */
 
+/* dot() and cross() of what may be long: clamped to 64. */
+static real clamped_dot(point a, point b)
+{
+    return SATURATE(PRODUCT(a.x, b.x) + PRODUCT(a.y, b.y) + PRODUCT(a.z, b.z));
+}
+
+static wide exact_dot(point a, point b)
+{
+    return EXACT(a.x, b.x) + EXACT(a.y, b.y) + EXACT(a.z, b.z);
+}
+
+static point clamped_cross(point a, point b)
+{
+    const point product = {SATURATE(PRODUCT(a.y, b.z) - PRODUCT(a.z, b.y)),
+                           SATURATE(PRODUCT(a.z, b.x) - PRODUCT(a.x, b.z)),
+                           SATURATE(PRODUCT(a.x, b.y) - PRODUCT(a.y, b.x))};
+    return product;
+}
+
 static point stretch(const scene *v, point p)
 {
-    const point q = {p.x, p.y, MUL(v->spread, p.z)};
+    const point q = {p.x, p.y, SATURATE(PRODUCT(v->spread, p.z))};
     return q;
+}
+
+static point arm_of(const scene *v, const estimate *s, int j)
+{
+    const point arm = rotate(&s->rotation, v->joint[j]);
+    ASSUME(ALL_WITHIN(arm, REAL(33.1))); /* as long as the joint: joint_over() */
+    return arm;
 }
 
 static point joint_at(const scene *v, const estimate *s, int j)
 {
-    return plus(stretch(v, rotate(&s->rotation, v->joint[j])), s->translation);
+    return plus(stretch(v, arm_of(v, s, j)), s->translation);
 }
 
 /* What joint j misses along two directions, and the derivatives, which are these. */
@@ -60,8 +90,8 @@ static int line_residual(joint_residual *out, const scene *v, const estimate *s,
     const point at = joint_at(v, s, j);
     out->a = v->a[j];
     out->b = v->b[j];
-    out->miss_a = dot(out->a, at);
-    out->miss_b = dot(out->b, at);
+    out->miss_a = clamped_dot(out->a, at);
+    out->miss_b = clamped_dot(out->b, at);
     return s->translation.z > 0;
 }
 
@@ -69,7 +99,15 @@ static int line_residual(joint_residual *out, const scene *v, const estimate *s,
 static point in_camera(const scene *v, point at)
 {
     const point flat = {MUL(v->spread, at.x), MUL(v->spread, at.y), at.z};
-    return rotate_back(&v->view_rotation, flat);
+    const matrix3 back = transpose(&v->view_rotation);
+    const point p = {clamped_dot(back.x, flat), clamped_dot(back.y, flat), clamped_dot(back.z, flat)};
+    return p;
+}
+
+static real over_spread(const scene *v, real a) /* clamped to 32 */
+{
+    const real most = MUL(REAL(32.0), v->spread);
+    return DIV_TO(REAL(32.1), a > most ? most : a < -most ? -most : a, v->spread); /* as it was compared */
 }
 
 /* In the image: distance from where the joint was seen, in units of spread, times the person's depth;
@@ -78,35 +116,38 @@ static int image_residual(joint_residual *out, const scene *v, const estimate *s
 {
     const joint_residual none = {{0, 0, 0}, {0, 0, 0}, 0, 0};
     const real root = v->ray[j].z;
-    const point p = in_camera(v, joint_at(v, s, j));
     *out = none;
     if (!(root > 0)) return 1;
-    if (p.z < MUL(MIN_DEPTH, v->depth) || p.z <= EPSILON) return 0;
+    const point p = in_camera(v, joint_at(v, s, j));
+    if (p.z < MUL(MIN_DEPTH, v->depth) || p.z <= EPSILON || !ALL_WITHIN(p, MAX_IN_CAMERA)) return 0;
     if (ABS(p.x) / 8 > p.z || ABS(p.y) / 8 > p.z) return 0;
-    const real x = DIV(p.x, p.z), y = DIV(p.y, p.z);
+    const real x = DIV_TO(REAL(9.0), p.x, p.z), y = DIV_TO(REAL(9.0), p.y, p.z); /* as they were compared */
     if (HYPOT(x - v->ray[j].x, y - v->ray[j].y) > MUL(MAX_MISS, v->spread)) return 0;
-    const real ratio = MUL(root, DIV(v->depth, p.z)); /* <= 3 */
+    const real ratio = MUL(root, DIV_TO(REAL(3.2), v->depth, p.z)); /* no nearer than MIN_DEPTH */
     const matrix3 *r = &v->view_rotation;
     const point a = {r->x.x - MUL(x, r->x.z), r->y.x - MUL(x, r->y.z),
-                     DIV(r->z.x - MUL(x, r->z.z), v->spread)};
+                     over_spread(v, r->z.x - MUL(x, r->z.z))};
     const point b = {r->x.y - MUL(y, r->x.z), r->y.y - MUL(y, r->y.z),
-                     DIV(r->z.y - MUL(y, r->z.z), v->spread)};
+                     over_spread(v, r->z.y - MUL(y, r->z.z))};
     out->a = times(ratio, a);
     out->b = times(ratio, b);
-    out->miss_a = MUL(MUL(root, v->depth), DIV(x - v->ray[j].x, v->spread));
-    out->miss_b = MUL(MUL(root, v->depth), DIV(y - v->ray[j].y, v->spread));
+    /* as it was compared with MAX_MISS */
+    out->miss_a = MUL(MUL(root, v->depth), DIV_TO(REAL(2.1), x - v->ray[j].x, v->spread));
+    out->miss_b = MUL(MUL(root, v->depth), DIV_TO(REAL(2.1), y - v->ray[j].y, v->spread));
     return 1;
 }
 
-/* Returns 0 if there is no error, as for a person behind the camera. */
+/* Returns 0, and an error above all others, if there is none, as for a person behind the camera. */
 static int sum_errors(estimate *s, const scene *v, residual_of *residual_at)
 {
-    s->error = 0;
+    wide sum = 0;
+    s->error = WIDE_MAX;
     for (int j = 0; j < EDML_JOINTS; j++) {
         joint_residual of;
         if (!residual_at(&of, v, s, j)) return 0;
-        s->error += PRODUCT(of.miss_a, of.miss_a) + PRODUCT(of.miss_b, of.miss_b);
+        sum += PRODUCT(of.miss_a, of.miss_a) + PRODUCT(of.miss_b, of.miss_b);
     }
+    s->error = sum;
     return 1;
 }
 
@@ -115,9 +156,11 @@ static int best_translation(estimate *s, const scene *v)
 {
     point pull = {0, 0, 0};
     for (int j = 0; j < EDML_JOINTS; j++) {
-        const point at = stretch(v, rotate(&s->rotation, v->joint[j]));
-        pull = minus(pull, times(dot(v->a[j], at), v->a[j]));
-        pull = minus(pull, times(dot(v->b[j], at), v->b[j]));
+        const point at = stretch(v, arm_of(v, s, j));
+        const real a = dot(v->a[j], at), b = dot(v->b[j], at);
+        ASSUME(WITHIN(a, REAL(1.01)) && WITHIN(b, REAL(1.01))); /* as joints with their weights */
+        pull = minus(pull, times(a, v->a[j]));
+        pull = minus(pull, times(b, v->b[j]));
     }
     return solve3(&s->translation, &v->lines, pull) && sum_errors(s, v, line_residual);
 }
@@ -128,38 +171,52 @@ static int best_translation(estimate *s, const scene *v)
 static int gauss_newton_step(estimate *next, real *angle, const scene *v, const estimate *s,
                              residual_of *residual_at)
 {
-    const point zero = {0, 0, 0};
-    equations n = {zero_matrix, zero_matrix, zero_matrix, zero, zero};
+    equations n;
+    memset(&n, 0, sizeof n);
     for (int j = 0; j < EDML_JOINTS; j++) {
         joint_residual of;
         if (!residual_at(&of, v, s, j)) return 0;
-        const point arm = rotate(&s->rotation, v->joint[j]);
-        add_miss(&n, of.a, cross(arm, stretch(v, of.a)), of.miss_a);
-        add_miss(&n, of.b, cross(arm, stretch(v, of.b)), of.miss_b);
+        const point arm = arm_of(v, s, j);
+        add_miss(&n, of.a, clamped_cross(arm, stretch(v, of.a)), of.miss_a);
+        add_miss(&n, of.b, clamped_cross(arm, stretch(v, of.b)), of.miss_b);
     }
     point translation, camera;
     if (!solve_step(&translation, &camera, &n)) return 0;
     *angle = norm(camera);
     if (*angle > REAL(1.0)) return 0;
+    ASSUME(ALL_WITHIN(camera, REAL(1.01))); /* no component is longer than the vector */
+    next->translation = plus(s->translation, translation);
+    if (!ALL_WITHIN(next->translation, MAX_SOLUTION)) return 0;
     const point half = {camera.x / 2, camera.y / 2, camera.z / 2};
     const matrix3 rotation = quaternion_rotation(REAL(1.0), half);
     next->rotation = compose_rotations(&rotation, &s->rotation);
-    next->translation = plus(s->translation, translation);
     return 1;
+}
+
+/* A joint by a component of what it misses its line by; both have the root of its weight as a factor in all. */
+static point weighted_joint(real miss, point joint)
+{
+    /* weighted, joints and misses are within 1 */
+    const point p = {MUL_TO(REAL(1.5), miss, joint.x), MUL_TO(REAL(1.5), miss, joint.y),
+                     MUL_TO(REAL(1.5), miss, joint.z)};
+    return p;
 }
 
 /* The step of orthogonal iteration.  Because the joints' weighted mean is 0, sum q p' is R times their
  * scatter, less what the joints miss their lines by. */
 static int orthogonal_iteration_step(estimate *next, const scene *v, const estimate *s)
 {
-    const point zero = {0, 0, 0};
     matrix3 m = {rotate(&v->scatter, s->rotation.x), rotate(&v->scatter, s->rotation.y),
                  rotate(&v->scatter, s->rotation.z)};
     for (int j = 0; j < EDML_JOINTS; j++) {
         joint_residual of;
         (void)line_residual(&of, v, s, j);
+        /* those of the best translation: squared they add up to no more than the joints' */
+        ASSUME(WITHIN(of.miss_a, REAL(1.01)) && WITHIN(of.miss_b, REAL(1.01)));
         const point miss = stretch(v, plus(times(of.miss_a, of.a), times(of.miss_b, of.b)));
-        add_product(&m, minus(zero, miss), v->joint[j]);
+        m.x = minus(m.x, weighted_joint(miss.x, v->joint[j]));
+        m.y = minus(m.y, weighted_joint(miss.y, v->joint[j]));
+        m.z = minus(m.z, weighted_joint(miss.z, v->joint[j]));
     }
     if (!nearest_rotation(&next->rotation, &m) || !best_translation(next, v)) return 0;
     return next->error < s->error;
@@ -187,15 +244,13 @@ static int object_space_descent(estimate *s, const scene *v)
     int steps = 0, converged = 0;
     while (steps < MAX_STEPS && !converged) {
         estimate next;
-        real angle = 0;
+        real angle;
         const int stepped = gauss_newton_step(&next, &angle, v, s, line_residual);
         converged = stepped && angle < NEAR_ANGLE;
-        int lower = stepped && best_translation(&next, v) && next.error < s->error;
-        if (!lower && !converged) {
-            lower = orthogonal_iteration_step(&next, v, s);
-            if (lower) extrapolate(&next, v, s);
+        if (!stepped || !best_translation(&next, v) || !(next.error < s->error)) {
+            if (converged || !orthogonal_iteration_step(&next, v, s)) break;
+            extrapolate(&next, v, s);
         }
-        if (!lower) break;
         *s = next;
         steps++;
     }
@@ -205,7 +260,7 @@ static int object_space_descent(estimate *s, const scene *v)
 /* The same on the error in the image. */
 static int refine_reprojection(estimate *s, const scene *v)
 {
-    if (!sum_errors(s, v, image_residual)) return -1;
+    if (!(v->depth > 0) || !sum_errors(s, v, image_residual)) return -1;
     int steps = 0, converged = 0;
     while (steps < MAX_REFINEMENTS && !converged) {
         estimate next;
@@ -230,10 +285,11 @@ static int orthographic_start(estimate *s, const scene *v)
     scatter.y.y += RIDGE;
     scatter.z.z += RIDGE;
     if (!solve3(&m.x, &scatter, v->across) || !solve3(&m.y, &scatter, v->down)) return 0;
+    ASSUME(ALL_WITHIN(m.x, REAL(5.1)) && ALL_WITHIN(m.y, REAL(5.1))); /* 1 / (2 root of RIDGE) long at most */
     m.z = cross(m.x, m.y);
     const real length = norm(m.z);
     if (!(length > MUL(RIDGE, MUL(norm(m.x), norm(m.y))) + EPSILON)) return 0;
-    m.z = over(m.z, SQRT(length)); /* rows are 1 / (2 root of RIDGE) = 5 long at most, and m.z 25 */
+    m.z = over(m.z, SQRT(length)); /* 5 long at most */
     return nearest_rotation(&s->rotation, &m);
 }
 
@@ -254,27 +310,46 @@ static int reversed_start(estimate *reversed, const scene *v, const estimate *s)
 static pixels reprojection_of(const scene *v, const estimate *s, const edml_camera *camera)
 {
     const pixels f = camera->fx > camera->fy ? camera->fx : camera->fy;
-    const real wide_x = DIV(camera->fx, f), wide_y = DIV(camera->fy, f); /* <= 1 */
+    /* f is the larger one */
+    const real wide_x = DIV_TO(REAL(1.0), camera->fx, f), wide_y = DIV_TO(REAL(1.0), camera->fy, f);
     real root = 0;
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!(v->ray[j].z > 0)) continue;
         const point p = in_camera(v, joint_at(v, s, j));
-        const real x = MUL(wide_x, DIV(p.x, p.z) - v->ray[j].x);
-        const real y = MUL(wide_y, DIV(p.y, p.z) - v->ray[j].y);
+        /* image_residual() has seen it */
+        const real x = MUL(wide_x, DIV_TO(REAL(9.0), p.x, p.z) - v->ray[j].x);
+        const real y = MUL(wide_y, DIV_TO(REAL(9.0), p.y, p.z) - v->ray[j].y);
         root = HYPOT(root, MUL(v->ray[j].z, HYPOT(x, y)));
     }
+    ASSUME(root <= REAL(3.65)); /* no joint is off by more than MAX_MISS spreads of 1.8 */
     return MUL(f, root);
+}
+
+/* In metres; 0 if that is too far away, or behind the camera. */
+static int mean_in_camera(point *mean, const scene *v, const estimate *s)
+{
+    const matrix3 back = transpose(&v->view_rotation);
+    const real far = MUL(s->translation.z, v->size);
+    if (far < 0 || far / 128 >= MUL(MAX_DISTANCE / 128, v->spread)) return 0;
+    /* as it was compared */
+    const point p = {MUL(s->translation.x, v->size), MUL(s->translation.y, v->size),
+                     DIV_TO(MAX_DISTANCE, far, v->spread)};
+    const wide limit = EXACT(MAX_DISTANCE, REAL(1.0)), x = exact_dot(back.x, p), y = exact_dot(back.y, p),
+               z = exact_dot(back.z, p);
+    if (!WITHIN(x, limit) || !WITHIN(y, limit) || !WITHIN(z, limit)) return 0;
+    mean->x = FROM_EXACT(x);
+    mean->y = FROM_EXACT(y);
+    mean->z = FROM_EXACT(z);
+    return 1;
 }
 
 static edml_status write_placement(edml_placement *out, const scene *v, const estimate *s,
                                    const edml_pose *pose, const edml_camera *camera, int steps)
 {
-    const real far = MUL(s->translation.z, v->size);
-    if (far / 128 >= MUL(MAX_DISTANCE / 128, v->spread)) return EDML_ERR_CAMERA;
-    const point translation = {MUL(s->translation.x, v->size), MUL(s->translation.y, v->size),
-                               DIV(far, v->spread)};
     const matrix3 back = transpose(&v->view_rotation), rotation = compose_rotations(&back, &s->rotation);
-    const point origin = minus(rotate_back(&v->view_rotation, translation), rotate(&rotation, v->mean));
+    point mean, origin;
+    if (!mean_in_camera(&mean, v, s)) return EDML_ERR_CAMERA;
+    origin = minus(mean, rotate(&rotation, v->mean));
     for (int j = 0; j < EDML_JOINTS; j++)
         if (dot(rotation.z, pose_joint(pose, j)) + origin.z <= 0) return EDML_ERR_CAMERA;
     for (int j = 0; j < EDML_JOINTS; j++)
@@ -292,13 +367,15 @@ static edml_status write_placement(edml_placement *out, const scene *v, const es
  * steps. */
 static edml_status find_estimate(estimate *s, int *steps, scene *v)
 {
+    estimate reversed = {zero_matrix, {0, 0, 0}, WIDE_MAX};
+    *s = reversed;
     if (!orthographic_start(s, v)) return EDML_ERR_DEGENERATE;
-    estimate reversed;
     const int first = object_space_descent(s, v);
     const int second = reversed_start(&reversed, v, s) ? object_space_descent(&reversed, v) : -1;
     if (first < 0 && second < 0) return EDML_ERR_CAMERA;
-    if (first < 0 || (second >= 0 && reversed.error < s->error)) *s = reversed;
+    if (reversed.error < s->error) *s = reversed;
     v->depth = in_camera(v, s->translation).z;
+    ASSUME(v->depth <= REAL(22.0)); /* root of (1.8 * 8)^2 + (1.8 * 8)^2 + 8^2: a rotation changes no length */
     const int third = refine_reprojection(s, v);
     if (third < 0) return EDML_ERR_CAMERA;
     *steps = (first > 0 ? first : 0) + (second > 0 ? second : 0) + third;

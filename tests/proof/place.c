@@ -1,17 +1,17 @@
-/* The scene of a placement: lines of sight, joints and view of any accepted pose, keypoints and camera.
+/* A placement of any accepted pose, keypoints and camera.
  *
  * SPDX-License-Identifier: MIT
  */
 #include "sets.h"
 
-#include "optional/camera/scene.h"
+#include "optional/camera/pnp.h"
 
 static void with_set(uint16_t seen)
 {
     static edml_pose pose;
     static edml_keypoint in[EDML_JOINTS];
-    static point joint[EDML_JOINTS], ray[EDML_JOINTS], a[EDML_JOINTS], b[EDML_JOINTS];
-    static scene v;
+    static edml_work work;
+    edml_placement placement;
     edml_camera camera;
     const int32_t reach = (4 << 16) - 1;
     for (int j = 0; j < EDML_JOINTS; j++) {
@@ -26,11 +26,7 @@ static void with_set(uint16_t seen)
     camera.fy = Frama_C_interval(1, ROOM);
     camera.cx = Frama_C_interval(-ROOM, ROOM);
     camera.cy = Frama_C_interval(-ROOM, ROOM);
-    v.joint = joint;
-    v.ray = ray;
-    v.a = a;
-    v.b = b;
-    (void)set_up_scene(&v, &pose, in, &camera);
+    (void)edml_place(&placement, &pose, in, &camera, &work, sizeof work);
 }
 
 int main(void)
