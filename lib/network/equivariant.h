@@ -29,6 +29,9 @@ static void sum_parts(value sum[2][ROWS], const layer_inputs *in, const dense_la
     sum_rows(sum, in, WEIGHTS_OF(layer, row), layer->bias + row, rows);
 }
 
+#ifdef UNITS /* the processor's own */
+#include UNITS
+#else
 /* Units and mirror units of rows: y[k] is their sum, which is even, y[count + k] their difference.  Out
  * of line, because sum_parts() leaves no registers. */
 static EDML_NOINLINE void activate_rows(activation *y, value sum[2][ROWS], const dense_layer *layer,
@@ -42,6 +45,7 @@ static EDML_NOINLINE void activate_rows(activation *y, value sum[2][ROWS], const
         y[count + SLOT(k)] = (activation)(unit - mirror_unit);
     }
 }
+#endif
 
 static void activate_layer(activation *y, const layer_inputs *in, const dense_layer *layer, int count)
 {

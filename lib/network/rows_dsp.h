@@ -10,11 +10,16 @@
 #ifndef EDML_ROWS_DSP_H
 #define EDML_ROWS_DSP_H
 
-#include "rows_of_four.h"
+#include "rows_all_inputs.h"
+
+enum { ROWS = EDML_ROWS / 2 }; /* the upper or the lower half of a block */
+#define WEIGHTS_OF(layer, row)                                                                             \
+    ((layer)->weight + ((row) & -EDML_ROWS) * (layer)->inputs + ((row) & (EDML_ROWS - 1)) * EDML_CHUNK)
 
 /* clang-format off */
 #ifdef EDML_BYTES
 #define SLOT(k) (((k) & ~3) | ((k) & 1) << 1 | ((k) >> 1 & 1))
+#define OTHER_HALF "32" /* bytes */
 #define ADD_ROW(sum)                               \
     "    ldmia  r2!, {r0, r3}\n"                   \
     "    sxtb16 r12, r0\n"                         \
@@ -27,6 +32,7 @@
     "    smlad  " sum ", r3, r11, " sum "\n"
 #else
 #define SLOT(k) (k)
+#define OTHER_HALF "64"
 #define ADD_ROW(sum)                               \
     "    ldmia  r2!, {r0, r3, r12, lr}\n"          \
     "    smlad  " sum ", r0, r8, " sum "\n"        \
@@ -34,6 +40,11 @@
     "    smlad  " sum ", r12, r10, " sum "\n"      \
     "    smlad  " sum ", lr, r11, " sum "\n"
 #endif
+
+#define ADD_BLOCK                                  \
+    "    ldmia  r1!, {r8-r11}\n"                   \
+    ADD_ROW("r4") ADD_ROW("r5") ADD_ROW("r6") ADD_ROW("r7") \
+    "    adds   r2, #" OTHER_HALF "\n" /* past the block's other rows */
 
 __attribute__((naked, noinline)) static void sum_rows(
     value sum[2][ROWS] EDML_IN_REGISTER, const layer_inputs *in EDML_IN_REGISTER,
@@ -45,21 +56,28 @@ __attribute__((naked, noinline)) static void sum_rows(
             "    add    r8, r1, r8, lsl #1\n"
             "    add    r9, r8, r9, lsl #1\n"
             "    push   {r8, r9}\n" /* [sp] end of the part, [sp, #4] of all, [sp, #8] where sums go */
-            "1:  ldmia  r1!, {r8-r11}\n"
-            ADD_ROW("r4") ADD_ROW("r5") ADD_ROW("r6") ADD_ROW("r7")
-            "    adds   r2, #" OTHER_HALF "\n" /* the block's other rows */
+            "1:  subs   r0, r8, r1\n"
+            "    lsls   r0, r0, #27\n"
+            "    bpl    2f\n" /* an even number of blocks, two at a time; else one before */
+            ADD_BLOCK
             "    ldr    r0, [sp]\n"
             "    cmp    r1, r0\n"
-            "    bne    1b\n"
-            "    ldrd   r3, r12, [sp, #4]\n"
+            "    beq    3f\n"
+            "2:\n"
+            ADD_BLOCK ADD_BLOCK
+            "    ldr    r0, [sp]\n"
+            "    cmp    r1, r0\n"
+            "    bne    2b\n"
+            "3:\n"
+            "    ldrd   r8, r12, [sp, #4]\n"
             "    stmia  r12!, {r4-r7}\n"
-            "    str    r3, [sp]\n"
+            "    str    r8, [sp]\n"
             "    str    r12, [sp, #8]\n"
             "    movs   r4, #0\n"
             "    movs   r5, #0\n"
             "    movs   r6, #0\n"
             "    movs   r7, #0\n"
-            "    cmp    r1, r3\n"
+            "    cmp    r1, r8\n"
             "    bne    1b\n"
             "    add    sp, #12\n"
             "    pop    {r4-r11, pc}\n");

@@ -8,6 +8,7 @@
  *   OWN_LIST           does a list of inputs need memory of its own?  Else it is where no unit is: where the
  *                      network's outputs come, and for the last layer where units of another would be
  *   SUM_ROWS           the header that has sum_rows() of rows.h
+ *   UNITS              the header that has activate_rows() of equivariant.h, where the processor has its own
  *   network_input()    a distance of the EDM, as the network reads it
  *   signed_input()     a number within +-8, as the network reads it
  *   activate()         what a row's sum becomes behind the ReLU: in integers, of so many bits
@@ -65,13 +66,12 @@ enum { CHUNK = 1, OWN_LIST = 1 };
 #if defined(__GNUC__) && (defined(__SSE2__) || defined(__aarch64__) || defined(__wasm_simd128__))
 #define SUM_ROWS "rows_vector.h"
 #define SKIPS_ZEROS 0
+#elif defined(__GNUC__) && defined(__ARM_FP) && defined(__thumb2__)
+#define SUM_ROWS "rows_vfp.h"
+#define DOT8 "dot8_vfp.h"
 #else
 #define SUM_ROWS "rows_by_input.h"
 #define SKIPS_ZEROS 1
-#endif
-
-#if defined(__GNUC__) && defined(__ARM_FP) && defined(__thumb2__)
-#define DOT8 "dot8_vfp.h"
 #endif
 
 #endif

@@ -62,8 +62,10 @@ enum { CHUNK = EDML_CHUNK, OWN_LIST = 0 };
 #define SUM_ROWS "rows_listed.h"
 #elif defined(__ARM_FEATURE_MVE) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
 #define SUM_ROWS "rows_mve.h"
+#define UNITS "units_mve.h"
 #elif defined(__ARM_FEATURE_DSP) && defined(__thumb2__) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
 #define SUM_ROWS "rows_dsp.h"
+#define UNITS "units_dsp.h"
 #elif defined(__SSE2__) || defined(__wasm_simd128__)
 #define SUM_ROWS "rows_i16x8.h"
 #else

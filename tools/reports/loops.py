@@ -182,17 +182,30 @@ def kernel_totals(model: Model, preset: str) -> list[tuple[dict[str, int], int]]
     """Of what sums the rows of the network, some of it in assembly: its loops have no text."""
     rows = {"equivariant.h: for (int row = 0; row < count": 1}
     groups = sum(model.groups)
-    if model.is_float and preset in ("cortex-m4f", "cortex-m55"):  # dot8_vfp.h: by four, the rest
-        return [(rows, groups), ({"dot8: 0": 4, "dot8: 1": 1}, model.reads)]
-    halves, blocks = 2 * groups, 2 * model.reads // 8  # of four rows, and eight inputs of these
-    if not model.is_float and preset == "cortex-m4f":  # rows_dsp.h
-        return [(rows, halves), ({"sum_rows: 0": 1}, blocks)]
-    if not model.is_float and preset == "cortex-m55":  # rows_mve.h: the even inputs, then the odd
-        return [(rows, halves), ({"sum_rows: 0": 1}, halves), ({"sum_rows: 1": 1}, blocks)]
+    if model.is_float and preset in ("cortex-m4f", "cortex-m55"):
+        return vfp_totals(model)
+    if not model.is_float and preset == "cortex-m4f":  # rows_dsp.h: parts, and pairs of blocks
+        pairs = 2 * model.reads // 16  # of blocks: of four rows, and eight inputs of these
+        return [(rows, 2 * groups), ({"sum_rows: 0": 1}, 4 * groups), ({"sum_rows: 1": 1}, pairs)]
+    if not model.is_float and preset == "cortex-m55":  # rows_mve.h: parts, and blocks of eight rows
+        return [(rows, groups), ({"sum_rows: 0": 1}, 2 * groups), ({"sum_rows: 1": 1}, model.reads // 8)]
     return [
         (rows, groups),
         ({"dot8.h: for (const activation *const end = x + inputs;": 1}, model.reads),
         ({"rows_listed.h: for (const activation *const end = x + count;": 1}, model.reads),
+    ]
+
+
+def vfp_totals(model: Model) -> list[tuple[dict[str, int], int]]:
+    """Of rows_vfp.h: two groups of rows at a time; what is left over goes to dot8_vfp.h."""
+    inputs = [inputs for inputs, _ in model.layers]
+    pairs = sum(g // 2 * n for g, n in zip(model.groups, inputs, strict=True))
+    alone = sum(g % 2 * n for g, n in zip(model.groups, inputs, strict=True))
+    turns = sum(ceil(groups / 2) for groups in model.groups)
+    return [
+        ({"equivariant.h: for (int row = 0; row < count": 1}, turns),
+        ({"dot16: 0": 1}, pairs),
+        ({"dot8: 0": 4, "dot8: 1": 1}, alone),
     ]
 
 
