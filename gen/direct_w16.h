@@ -13,7 +13,7 @@
  * training    recipe direct, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 9
+#if EDML_WEIGHTS_FORMAT != 10
 #error "regenerate with tools/export_weights.py"
 #endif
 

@@ -9,7 +9,7 @@
  * training    recipe distances, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 9
+#if EDML_WEIGHTS_FORMAT != 10
 #error "regenerate with tools/export_weights.py"
 #endif
 
@@ -5185,7 +5185,7 @@ const edml_model edml_distances_f32 = {
     sizeof(edml_work),
     0,
     &edml_default_imputation,
-    NULL,
+    edml__scale_and_align,
     NULL,
     EDML_STRESS_NONE,
     0, /* refinement steps */

@@ -13,7 +13,7 @@
  * training    recipe distances, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 9
+#if EDML_WEIGHTS_FORMAT != 10
 #error "regenerate with tools/export_weights.py"
 #endif
 
@@ -5297,8 +5297,8 @@ const edml_model edml_distances_w8 = {
     sizeof(edml_work),
     sizeof(edml_work_q),
     &edml_default_imputation,
-    NULL,
-    NULL,
+    edml__scale_and_align,
+    edml__scale_and_align_q,
     EDML_STRESS_NONE,
     0, /* refinement steps */
     {{0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}}, /* mirror */

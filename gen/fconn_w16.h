@@ -13,7 +13,7 @@
  * training    recipe fconn, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 9
+#if EDML_WEIGHTS_FORMAT != 10
 #error "regenerate with tools/export_weights.py"
 #endif
 
@@ -5271,8 +5271,8 @@ const edml_model edml_fconn_w16 = {
     sizeof(edml_work),
     sizeof(edml_work_q),
     &edml_default_imputation,
-    edml__orient_alone,
-    edml__orient_alone_q,
+    edml__scale_and_orient,
+    edml__scale_and_orient_q,
     EDML_STRESS_NONE,
     0, /* refinement steps */
     {{0x1.b81d7ep-3F, 3605424}, {0x1.844d02p0F, 25447681}, {0x1.4ac084p-3F, 2709520}, {0x1.486f6ap1F, 43048659}, {-0x1.549518p1F, -44640816}}, /* mirror */

@@ -9,7 +9,7 @@
  * training    recipe mds, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 9
+#if EDML_WEIGHTS_FORMAT != 10
 #error "regenerate with tools/export_weights.py"
 #endif
 
@@ -75828,7 +75828,7 @@ const edml_model edml_fconv_f32 = {
     sizeof(edml_fconv_work),
     0,
     &edml_default_imputation,
-    edml__orient_alone,
+    edml__scale_and_orient,
     NULL,
     EDML_STRESS_NONE,
     0, /* refinement steps */

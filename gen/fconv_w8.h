@@ -13,7 +13,7 @@
  * training    recipe mds, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 9
+#if EDML_WEIGHTS_FORMAT != 10
 #error "regenerate with tools/export_weights.py"
 #endif
 
@@ -75921,8 +75921,8 @@ const edml_model edml_fconv_w8 = {
     sizeof(edml_fconv_work),
     sizeof(edml_fconv_work_q),
     &edml_default_imputation,
-    edml__orient_alone,
-    edml__orient_alone_q,
+    edml__scale_and_orient,
+    edml__scale_and_orient_q,
     EDML_STRESS_NONE,
     0, /* refinement steps */
     {{0x1.4ea4a8p-2F, 5482794}, {0x1.85e354p-1F, 12775850}, {0x1.084b5ep-1F, 8660399}, {0x1.c91688p1F, 59911438}, {-0x1.884ea4p1F, -51420489}}, /* mirror */

@@ -14,7 +14,7 @@
  *   PARAM(n)         an edml_number of the model
  *   WORK_BYTES(m)    work memory of a lift with the model; 0: it cannot be run
  *   RUN_NETWORK      runs the model's network
- *   ORIENT_ALONE     what follows the MDS of distances alone
+ *   SCALE(m)         what makes points of the distances that the model gives
  *
  * SPDX-License-Identifier: MIT
  */
@@ -51,6 +51,6 @@ typedef float api_real;
 #define PARAM(number) (number).f32
 #define WORK_BYTES(model) (model)->work_bytes
 #define RUN_NETWORK edml__run_network
-#define ORIENT_ALONE(model) (model)->orient_f32
+#define SCALE(model) (model)->scale_f32
 
 #endif

@@ -35,7 +35,7 @@ typedef int32_t api_real; /* Q16 */
 #define PARAM(number) (number).q24
 #define WORK_BYTES(model) (model)->work_bytes_q
 #define RUN_NETWORK edml__run_network_q
-#define ORIENT_ALONE(model) (model)->orient_q
+#define SCALE(model) (model)->scale_q
 
 /* Coordinates within 8192 pixels; confidences always. */
 static inline int is_in_range_q16(int32_t a) { return a > -(INT32_C(1) << 29) && a < INT32_C(1) << 29; }
@@ -75,7 +75,8 @@ static inline int is_in_range_q16(int32_t a) { return a > -(INT32_C(1) << 29) &&
 #define edml_align edml_align_q
 #define edml_orient edml_orient_q
 #define edml_fuse edml_fuse_q
-#define edml__orient_alone edml__orient_alone_q
+#define edml__scale_and_align edml__scale_and_align_q
+#define edml__scale_and_orient edml__scale_and_orient_q
 #define edml_lift edml_lift_q
 #define edml_lift_with_camera edml_lift_with_camera_q
 #define edml_lift_many edml_lift_many_q

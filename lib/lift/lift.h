@@ -8,13 +8,11 @@
 #include "../api/pose.h"
 #include "../geometry/unit_vector.h"
 #include "../network/model.h"
-#include "align.h"
 #include "body_frame.h"
 #include "edm.h"
 #include "fuse.h"
-#include "mds.h"
-#include "orient_alone.h"
 #include "predict.h"
+#include "scale.h"
 
 /* The image in the body's frame, and what the network says of it.  Out of line, as its locals are not needed
  * where the stack is deepest. */
@@ -33,15 +31,9 @@ static EDML_NOINLINE edml_status ask_network(edml_work *work, const edml_keypoin
 /* Points in the body's frame, of what the network says. */
 static edml_status find_points(edml_work *work, const edml_model *model)
 {
-    const edml_prediction *const said = &work->prediction;
-    if (!(model->gives & EDML_GIVES_DISTANCES)) {
-        memcpy(work->x, said->x, sizeof work->x);
-        return EDML_OK;
-    }
-    if (!(model->gives & EDML_GIVES_POINTS) && ORIENT_ALONE(model) == NULL) return EDML_ERR_MODEL;
-    edml_mds(work->x, said->distance, work);
-    if (!(model->gives & EDML_GIVES_POINTS)) return ORIENT_ALONE(model)(work, model);
-    edml_align(work->x, said->x, model);
+    if (SCALE(model) != NULL) return SCALE(model)(work, model);
+    if (model->gives & EDML_GIVES_DISTANCES) return EDML_ERR_MODEL;
+    memcpy(work->x, work->prediction.x, sizeof work->x);
     return EDML_OK;
 }
 

@@ -21,8 +21,10 @@
                                                    void *scratch);                                         \
     EDML_INTERNAL uint32_t edml__##network##_checksum_##weights(const edml_model *model)
 
-/* lift/orient_alone.h.  A model names both, and links the one whose lift is linked. */
-EDML_INTERNAL EDML_WEAK edml_status edml__orient_alone(edml_work *work, const edml_model *model);
-EDML_INTERNAL EDML_WEAK edml_status edml__orient_alone_q(edml_work_q *work, const edml_model *model);
+/* lift/scale.h.  A model names one in both arithmetics, and links that whose lift is linked. */
+EDML_INTERNAL EDML_WEAK edml_status edml__scale_and_align(edml_work *work, const edml_model *model);
+EDML_INTERNAL EDML_WEAK edml_status edml__scale_and_align_q(edml_work_q *work, const edml_model *model);
+EDML_INTERNAL EDML_WEAK edml_status edml__scale_and_orient(edml_work *work, const edml_model *model);
+EDML_INTERNAL EDML_WEAK edml_status edml__scale_and_orient_q(edml_work_q *work, const edml_model *model);
 
 #endif

@@ -17,7 +17,7 @@
 
 /* Raised when the meaning of the generated data changes; a header of another format does not
  * compile. */
-#define EDML_WEIGHTS_FORMAT 9
+#define EDML_WEIGHTS_FORMAT 10
 
 enum {
     EDML_READS_DISTANCES = 1, /* in the image.  Alone: [91], as edml_edm() has them */
@@ -57,10 +57,10 @@ struct edml_model {
     uint16_t work_bytes, work_bytes_q; /* of edml_lift() and edml_lift_q(); 0: that cannot run it */
     const edml_imputation *imputation;
 
-    /* What follows the MDS, of networks that give distances alone: edml__orient_alone() and _q, as far as the
-     * program lifts in that arithmetic; else NULL. */
-    edml_status (*orient_f32)(edml_work *work, const edml_model *model);
-    edml_status (*orient_q)(edml_work_q *work, const edml_model *model);
+    /* What makes points of the distances that the network gives: a function of lift/scale.h, as far as the program
+     * lifts in that arithmetic; else NULL. */
+    edml_status (*scale_f32)(edml_work *work, const edml_model *model);
+    edml_status (*scale_q)(edml_work_q *work, const edml_model *model);
 
     /* What was measured with it. */
     uint8_t objective; /* edml_objective */

@@ -46,7 +46,7 @@
 #else
 #define EDML_INTERNAL
 #endif
-#if defined(__GNUC__) && defined(__ELF__)
+#if defined(__GNUC__) && (defined(__ELF__) || defined(__wasm__))
 #define EDML_WEAK __attribute__((weak))
 #else
 #define EDML_WEAK

@@ -34,7 +34,7 @@ typedef int32_t api_real;
 #define PARAM(number) real((number).q24)
 #define WORK_BYTES(model) ((model)->work_bytes_q != 0 ? sizeof(edml_work) : 0)
 #define RUN_NETWORK checked_network
-#define ORIENT_ALONE(model) checked_orientation
+#define SCALE(model) checked_scaling(model)
 
 static inline bool checked_range(int32_t a) { return -(1 << 29) < a && a < 1 << 29; }
 static inline bool checked_range(real a) { return checked_range(a.value()); }
@@ -138,7 +138,8 @@ static inline void checked_network(const edml_model *model, edml_work_checked *w
     for (int k = 0; k < edml__output_values(model); k++) work->io.values[k] = values[k];
 }
 
-extern edml_status (*const checked_orientation)(edml_work_checked *work, const edml_model *model);
+typedef edml_status checked_scale(edml_work_checked *work, const edml_model *model);
+extern checked_scale *checked_scaling(const edml_model *model); /* that for scale_q */
 
 /* ---- Names, as in api_q.h ---- */
 
@@ -175,7 +176,8 @@ extern edml_status (*const checked_orientation)(edml_work_checked *work, const e
 #define edml_align edml_align_checked
 #define edml_orient edml_orient_checked
 #define edml_fuse edml_fuse_checked
-#define edml__orient_alone edml__orient_alone_checked
+#define edml__scale_and_align edml__scale_and_align_checked
+#define edml__scale_and_orient edml__scale_and_orient_checked
 #define edml_lift edml_lift_checked
 #define edml_lift_with_camera edml_lift_with_camera_checked
 #define edml_track_start edml_track_start_checked

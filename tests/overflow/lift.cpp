@@ -4,7 +4,12 @@
 #include "lift/lift.h"
 
 checked_tally tally;
-edml_status (*const checked_orientation)(edml_work_checked *, const edml_model *) = edml__orient_alone;
+
+checked_scale *checked_scaling(const edml_model *model)
+{
+    if (model->scale_q == NULL) return NULL;
+    return model->gives & EDML_GIVES_POINTS ? edml__scale_and_align : edml__scale_and_orient;
+}
 
 static void copy(int32_t *out, const point x[EDML_JOINTS])
 {

@@ -108,7 +108,7 @@ static edml_model tiny_w8(void)
     model.compute_checksum = edml__fconv_checksum_w8;
     model.checksum = model.compute_checksum(&model);
     model.work_bytes_q = sizeof(edml_fconv_work_q);
-    model.orient_q = edml__orient_alone_q;
+    model.scale_q = edml__scale_and_orient_q;
     return model;
 }
 

@@ -394,15 +394,15 @@ static void a_model_that_reads_or_gives_something_else_is_refused(void)
     }
 }
 
-/* Of distances alone the lift makes a pose by what the model names. */
-static void distances_alone_without_what_orients_them_are_refused(void)
+/* Of distances the lift makes points by what the model names. */
+static void distances_without_what_scales_them_are_refused(void)
 {
     for (int n = 0; n < FUNCTIONS; n++) {
         if (!runs_model(&functions[n]) || functions[n].run == call_predict) continue;
-        prepare(&FCONN);
-        memory.model.orient_f32 = NULL;
-        memory.model.orient_q = NULL;
-        check_failure(&functions[n], EDML_ERR_MODEL, "nothing orients");
+        prepare(n % 2 ? &FCONN : &DISTANCES);
+        memory.model.scale_f32 = NULL;
+        memory.model.scale_q = NULL;
+        check_failure(&functions[n], EDML_ERR_MODEL, "nothing scales");
     }
 }
 
@@ -672,7 +672,7 @@ int main(void)
     RUN_TEST(just_enough_is_enough);
     RUN_TEST(models_say_how_much_they_need);
     RUN_TEST(a_model_that_reads_or_gives_something_else_is_refused);
-    RUN_TEST(distances_alone_without_what_orients_them_are_refused);
+    RUN_TEST(distances_without_what_scales_them_are_refused);
     RUN_TEST(a_model_that_this_arithmetic_cannot_run_is_refused);
     RUN_TEST(every_fault_has_its_status_and_leaves_no_trace);
     RUN_TEST(null_is_refused_whatever_else_is_wrong);

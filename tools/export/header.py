@@ -229,7 +229,7 @@ def model_text(
     """The model itself.  By position, because C++ has no designated initialisers before 2020; and
     declared first, because C++ would keep a constant to its file."""
     kernel = f"edml__{kind.name}_{form}"
-    of_float, orient = form == "f32", "edml__orient_alone"
+    of_float, scale = form == "f32", kind.scale
     mirror = ", ".join(map(number_text, settings.mirror))
     share, misfit, distance = (settings.fusion[name] for name in NO_FUSION)
     fusion = ", ".join(map(number_text, (share, misfit**2, 1 / distance)))
@@ -253,8 +253,8 @@ const edml_model edml_{model} = {{
     sizeof({kind.work}),
     {"0" if of_float else f"sizeof({kind.work}_q)"},
     {MISSING[settings.missing]},
-    {orient if kind.alone else "NULL"},
-    {f"{orient}_q" if kind.alone and not of_float else "NULL"},
+    {scale or "NULL"},
+    {f"{scale}_q" if scale and not of_float else "NULL"},
     EDML_STRESS_{settings.objective.upper()},
     {settings.refine_steps}, /* refinement steps */
     {{{mirror}}}, /* mirror */

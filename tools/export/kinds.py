@@ -66,6 +66,13 @@ class Kind:
         return tuple(self.gives) == ("DISTANCES",)
 
     @property
+    def scale(self) -> str:
+        """The function of lift/scale.h that makes points of its distances, "" if it gives none."""
+        if self.alone:
+            return "edml__scale_and_orient"
+        return "edml__scale_and_align" if "DISTANCES" in self.gives else ""
+
+    @property
     def of_body(self) -> bool:
         """Does it read the body's coordinates (model/lifter.py), or distances alone?"""
         return "BODY" in self.reads

@@ -39,8 +39,8 @@ KERNELS = "edml__(equivariant|fconn)_"
 THROUGH_POINTERS = {
     "edml__run_network": f"{KERNELS}(f32|w16|w8)",
     "edml__run_network_q": f"{KERNELS}(w16|w8)",
-    "edml_lift": "edml__orient_alone",
-    "edml_lift_q": "edml__orient_alone_q",
+    "edml_lift": "edml__scale_and_(align|orient)",
+    "edml_lift_q": "edml__scale_and_(align|orient)_q",
     "edml_model_check": f"{KERNELS.removesuffix('_')}_checksum_(f32|w16|w8)",
     "sum_errors": "(line|image)_residual",
     "gauss_newton_step": "(line|image)_residual",

@@ -495,7 +495,7 @@ def test_model(header: Path) -> None:
         "    sizeof(edml_work),",
         "    0,",
         "    NULL,",
-        "    edml__orient_alone,",
+        "    edml__scale_and_orient,",
         "    NULL,",
         "    EDML_STRESS_NONE,",
         "    0, /* refinement steps */",
@@ -571,7 +571,7 @@ CHECKSUM_C = """\
 void edml__fconn_f32(float *d, const float *e, const edml_model *m, void *x)
 { (void)d, (void)e, (void)m, (void)x; }
 uint32_t edml__fconn_checksum_f32(const edml_model *m) { return m->checksum; }
-edml_status edml__orient_alone(edml_work *w, const edml_model *m)
+edml_status edml__scale_and_orient(edml_work *w, const edml_model *m)
 { (void)w, (void)m; return EDML_OK; }
 
 static uint32_t fnv1a(uint32_t h, const float *value, int count)

@@ -101,7 +101,7 @@ def test_what_the_compiler_says():
     graph = stack.read_compiled(COMPILED)
     assert graph["edml_lift"] == Function(24, {"a.c:step.part.0"}, through_pointer=True)
     assert graph["a.c:step.part.0"] == Function(100, {"sqrtf"})
-    graph |= {"sqrtf": Function(8), "edml__orient_alone": Function(200)}
+    graph |= {"sqrtf": Function(8), "edml__scale_and_orient": Function(200)}
     stack.follow_pointers(graph)
     assert stack.bounds(graph, ["edml_lift", "sqrtf"]) == {"edml_lift": 224, "sqrtf": 8}
 
