@@ -85,15 +85,13 @@ static void add_joints(real **sum, real **difference, const real value[EDML_JOIN
 
 static void add_image(input_ends *end, const edml_image *image)
 {
-    real u[EDML_JOINTS], v[EDML_JOINTS], missing[EDML_JOINTS];
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        u[j] = image->at[j].u;
-        v[j] = image->at[j].v;
-        missing[j] = is_seen(image->seen, j) ? 0 : MISSING_INPUT;
-    }
-    add_joints(&end->odd, &end->even, u);
-    add_joints(&end->even, &end->odd, v);
-    add_joints(&end->even, &end->odd, missing);
+    real value[EDML_JOINTS];
+    for (int j = 0; j < EDML_JOINTS; j++) value[j] = image->at[j].u;
+    add_joints(&end->odd, &end->even, value);
+    for (int j = 0; j < EDML_JOINTS; j++) value[j] = image->at[j].v;
+    add_joints(&end->even, &end->odd, value);
+    for (int j = 0; j < EDML_JOINTS; j++) value[j] = is_seen(image->seen, j) ? 0 : MISSING_INPUT;
+    add_joints(&end->even, &end->odd, value);
 }
 
 /* up: a unit vector in the camera's axes, or NULL. */
@@ -134,13 +132,13 @@ static real gate_share(real gate)
     return (REAL(1.0) + ratio) / 2;
 }
 
-/* A number of each joint from a row each.  sign: -1 where it changes its sign in the mirror. */
-static void take_joints(real out[EDML_JOINTS], const real *row, const real *mirror_row, int sign)
+/* The image's share in each joint, from a row each. */
+static void take_shares(real share[EDML_JOINTS], const real *row, const real *mirror_row)
 {
     for (int k = 0; k < MIRROR_JOINTS; k++) {
         const int j = mirror_joints[k];
-        out[j] = row[k];
-        if (k >= MIDDLE_JOINTS) out[edml_mirror_joint[j]] = sign < 0 ? -mirror_row[k] : mirror_row[k];
+        share[j] = gate_share(row[k]);
+        if (k >= MIDDLE_JOINTS) share[edml_mirror_joint[j]] = gate_share(mirror_row[k]);
     }
 }
 
@@ -152,16 +150,16 @@ static void take_distances(real distance[EDML_PAIRS], const real *row, const rea
     }
 }
 
-/* Points about their mean.  |coordinate| <= 3 before and <= 6 after that. */
+/* Points about their mean, of which x changes its sign in the mirror.  |coordinate| <= 3 before and <= 6 after
+ * that. */
 static void take_points(point x[EDML_JOINTS], const real *row, const real *mirror_row)
 {
-    real u[EDML_JOINTS], v[EDML_JOINTS], z[EDML_JOINTS];
-    take_joints(u, row, mirror_row, -1);
-    take_joints(v, row + MIRROR_JOINTS, mirror_row + MIRROR_JOINTS, 1);
-    take_joints(z, row + 2 * MIRROR_JOINTS, mirror_row + 2 * MIRROR_JOINTS, 1);
-    for (int j = 0; j < EDML_JOINTS; j++) {
-        const point p = {u[j], v[j], z[j]};
+    for (int k = 0; k < MIRROR_JOINTS; k++) {
+        const int j = mirror_joints[k], y = MIRROR_JOINTS + k, z = 2 * MIRROR_JOINTS + k;
+        const point p = {row[k], row[y], row[z]};
+        const point in_mirror = {-mirror_row[k], mirror_row[y], mirror_row[z]};
         x[j] = p;
+        if (k >= MIDDLE_JOINTS) x[edml_mirror_joint[j]] = in_mirror;
     }
     move_origin_to_mean(x);
 }
@@ -173,8 +171,7 @@ static EDML_NOINLINE void take_outputs(edml_prediction *out, const real *row, co
     const int points = model->outputs - 4 * MIRROR_JOINTS, gates = model->outputs - MIRROR_JOINTS;
     if (model->gives & EDML_GIVES_DISTANCES) take_distances(out->distance, row, mirror_row);
     take_points(out->x, row + points, mirror_row + points);
-    take_joints(out->share, row + gates, mirror_row + gates, 1);
-    for (int j = 0; j < EDML_JOINTS; j++) out->share[j] = gate_share(out->share[j]);
+    take_shares(out->share, row + gates, mirror_row + gates);
 }
 
 #endif

@@ -17,9 +17,9 @@ static void clear_missing(real edm[EDML_PAIRS], uint16_t seen)
             if (!(is_seen(seen, i) && is_seen(seen, j))) *edm = 0;
 }
 
-/* As edml_predict(), with a model that can be run. */
-static void predict(edml_prediction *out, const edml_image *image, const point *up, const edml_model *model,
-                    edml_work *work)
+/* As edml_predict(), with a model that can be run.  Inline, because the stack is deepest in the network. */
+static EDML_INLINE void predict(edml_prediction *out, const edml_image *image, const point *up,
+                                const edml_model *model, edml_work *work)
 {
     real *const values = work->io.values;
     if (model->reads & EDML_READS_BODY) {
