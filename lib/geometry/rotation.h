@@ -111,8 +111,9 @@ static real square_and_scale(horn_matrix *n)
     real trace = 0;
     for (int i = 0; i < 4; i++) {
         for (int j = i; j < 4; j++) {
+            const real *const a = n->at[i], *const b = n->at[j]; /* column j is row j */
             wide sum = 0;
-            for (int k = 0; k < 4; k++) sum += EXACT(n->at[i][k], n->at[k][j]);
+            for (int k = 0; k < 4; k++) sum += EXACT(a[k], b[k]);
             square.at[i][j] = FROM_EXACT(sum);
         }
         trace += square.at[i][i];
@@ -129,18 +130,25 @@ static real square_and_scale(horn_matrix *n)
     return trace;
 }
 
-/* The rotation r of the largest trace(r' m), whatever the sign of m's determinant; returns 0 if m is zero.
- * Its quaternion is N's eigenvector of the largest eigenvalue: repeated squaring leaves only that one in the
- * matrix. */
-static int nearest_rotation(matrix3 *r, const matrix3 *m)
+/* Divides a matrix by the root of the sum of its squares; returns 0 if it is zero. */
+static int to_unit_size(matrix3 *m)
 {
     const real x = norm(m->x), y = norm(m->y), z = norm(m->z);
     /* of any matrix here: that of lift/align.h is the largest */
     ASSUME(x <= REAL(50.0) && y <= REAL(50.0) && z <= REAL(50.0));
     const real size = NORM(x, y, z);
     if (!(size > EPSILON)) return 0;
-    const matrix3 unit = {over_length(m->x, size), over_length(m->y, size), over_length(m->z, size)};
-    horn_matrix n = horn_matrix_of(&unit);
+    m->x = over_length(m->x, size);
+    m->y = over_length(m->y, size);
+    m->z = over_length(m->z, size);
+    return 1;
+}
+
+/* The rotation r of the largest trace(r' m), whatever the sign of m's determinant; m is of unit size.  Its quaternion
+ * is N's eigenvector of the largest eigenvalue: repeated squaring leaves only that one in the matrix. */
+static matrix3 nearest_to_unit(const matrix3 *m)
+{
+    horn_matrix n = horn_matrix_of(m);
     for (int k = 0; k < SQUARINGS; k++)
         if (square_and_scale(&n) > PURE_TRACE) break;
     int best = 0;
@@ -148,7 +156,15 @@ static int nearest_rotation(matrix3 *r, const matrix3 *m)
         if (n.at[k][k] > n.at[best][best]) best = k;
     const point v = {n.at[best][1], n.at[best][2], n.at[best][3]};
     const real scale = REAL(2.0); /* the column's square is its largest entry, 1/4 to 1 */
-    *r = quaternion_rotation(MUL(scale, n.at[best][0]), times(scale, v));
+    return quaternion_rotation(MUL(scale, n.at[best][0]), times(scale, v));
+}
+
+/* The same of any matrix; returns 0 if it is zero. */
+static inline int nearest_rotation(matrix3 *r, const matrix3 *m)
+{
+    matrix3 unit = *m;
+    if (!to_unit_size(&unit)) return 0;
+    *r = nearest_to_unit(&unit);
     return 1;
 }
 

@@ -28,11 +28,11 @@ static matrix3 sum_products(const point onto[EDML_JOINTS], const point x[EDML_JO
     return m;
 }
 
-/* Reverses the matrix if its determinant is negative; returns whether it did. */
+/* Reverses a matrix of unit size if its determinant is negative; returns whether it did. */
 static int reverse_left_handed(matrix3 *m)
 {
     const point zero = {0, 0, 0};
-    if (dot(direction(m->x), cross(direction(m->y), direction(m->z))) >= 0) return 0;
+    if (dot(m->x, cross(m->y, m->z)) >= 0) return 0;
     m->x = minus(zero, m->x);
     m->y = minus(zero, m->y);
     m->z = minus(zero, m->z);
@@ -42,13 +42,14 @@ static int reverse_left_handed(matrix3 *m)
 void edml_align(point x[EDML_JOINTS], const point onto[EDML_JOINTS], const edml_model *model)
 {
     const real share = PARAM(model->mds_share);
-    matrix3 rotation, m = sum_products(onto, x);
-    const int reflected = reverse_left_handed(&m);
-    const int found = nearest_rotation(&rotation, &m);
+    matrix3 m = sum_products(onto, x);
+    const int found = to_unit_size(&m), reflected = found && reverse_left_handed(&m);
+    const real signed_share = reflected ? -share : share;
+    if (found) m = nearest_to_unit(&m);
     for (int j = 0; j < EDML_JOINTS; j++) {
-        const point turned = found ? rotate(&rotation, x[j]) : onto[j];
+        const point turned = found ? rotate(&m, x[j]) : onto[j];
         x[j] = onto[j];
-        add_multiple(&x[j], reflected ? -share : share, turned);
+        add_multiple(&x[j], signed_share, turned);
         add_multiple(&x[j], -share, onto[j]);
     }
 }
