@@ -100,7 +100,7 @@ def people(errors: dict[str, dict[str, dict[str, float]]], column: str) -> Figur
     ax.bar(at, [library[p] for p in order], color=LIBRARY, width=0.6, label=next(iter(errors)))
     for marker, title, other in zip(MARKERS, [*errors][1:], others, strict=False):
         ax.plot(at, [other[p] for p in order], marker, color=TEXT, mfc="none", ms=6, label=title)
-    ax.set_xticks(at, order)
+    ax.set_xticks(at, order, fontsize=7)
     ax.set_xlabel("person, by the number in the database", color=TEXT)
     ax.margins(x=0.01, y=0.2)
     ax.legend(frameon=False, loc="upper left", fontsize=9)

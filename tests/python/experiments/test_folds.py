@@ -132,3 +132,26 @@ def test_the_page_has_the_results():
         return
     errors = json.loads(folds.RESULTS.read_text())["errors"]
     assert markdown.read(page, "people").strip() == folds.report(errors).strip()
+    check_words(errors)
+
+
+def check_words(errors: dict[str, dict[str, dict[str, float]]]) -> None:
+    """What the page says in front of the table."""
+    plain, alike = (errors[title] for title in folds.RIVALS)
+
+    def behind(mine: dict, rival: dict) -> dict[str, float]:
+        """In the mean of each column, mm."""
+        means = {c: float(np.mean([*mine[c].values()])) for c in mine}
+        return {c: means[c] - float(np.mean([*rival[c].values()])) for c in mine}
+
+    def ahead_for(mine: dict, column: str) -> int:
+        return sum(error < alike[column][who] for who, error in mine[column].items())
+
+    distances, direct = (errors[title] for title in folds.OURS)
+    assert max(behind(distances, plain).values()) < 0 > max(behind(direct, plain).values())
+    assert max(behind(distances, alike).values()) < 0
+    worse = {c: mm for c, mm in behind(direct, alike).items() if mm > 0}
+    assert set(worse) == {"right_leg", "left_leg"} and max(worse.values()) < 0.55
+    assert ahead_for(distances, "gt") == ahead_for(direct, "gt") == 24
+    noisy = [ahead_for(direct, c) for c in ("n5", "n10", "n15", "n20", "cpm")]
+    assert (min(noisy), max(noisy)) == (7, 15)
