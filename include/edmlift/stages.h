@@ -60,8 +60,8 @@ typedef struct {
     edml_matrix diagonal;                   /* work memory */
 } edml_eigen;
 
-/* All eigenpairs by cyclic Jacobi, to rounding.  Only the upper triangle of `a` is read.  The largest |entry|
- * must be within 2^-50 to 2^56, or zero. */
+/* All eigenpairs by cyclic Jacobi, to rounding.  Only the upper triangle of `a` is read.  No |entry| may be above
+ * 2^56; below 2^-74 entries beside the diagonal count as zero. */
 void edml_jacobi(edml_eigen *eigen, const edml_matrix *a);
 
 /* Classical multidimensional scaling: the points whose Gram matrix is nearest to that of the distances

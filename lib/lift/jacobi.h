@@ -11,6 +11,7 @@
 
 enum { SWEEPS = 12 };                               /* six are usual */
 #define JACOBI_ROUNDING REAL(5.9604644775390625e-8) /* 2^-24: beside the largest entry this is nothing */
+#define JACOBI_NOTHING REAL(5.3e-23)                /* 2^-74: the square of a float below is hardly one, or zero */
 
 /* Rotates a pair of matrix or vector entries by the angle of (cosine, sine). */
 static void rotate_pair(real *p, real *q, real cosine, real sine)
@@ -55,7 +56,7 @@ static real largest_entry(real a[][EDML_JOINTS], int order)
 /* Leaves the eigenvalues on the diagonal of a, and row k of vector, up to `order`, is that of a[k][k]. */
 static void diagonalise(real a[][EDML_JOINTS], real vector[][EDML_JOINTS], int order)
 {
-    const real least = MUL(largest_entry(a, order), JACOBI_ROUNDING) + EPSILON;
+    const real least = MUL(largest_entry(a, order), JACOBI_ROUNDING) + EPSILON + JACOBI_NOTHING;
     for (int i = 0; i < order; i++)
         for (int j = 0; j < order; j++) vector[i][j] = i == j ? REAL(1.0) : 0;
     for (int sweep = 0, rotated = 1; sweep < SWEEPS && rotated; sweep++) {

@@ -270,6 +270,28 @@ static void entries_from_1e_minus_18_to_1e17(void)
     }
 }
 
+/* Whose squares are zero in float32: such entries count as zero. */
+static void entries_below_1e_minus_22_are_nothing(void)
+{
+    rng r = rng_seed(17);
+    for (int power = -64; power >= -140; power -= 4) {
+        sign_mixed(&r);
+        for (int i = 0; i < N; i++) a.at[i][i] = power % 8 == 0 || i % 2 == 0 ? 0.0F : 1.0F;
+        scale_matrix(ldexpf(1, power));
+        edml_jacobi(&e, &a);
+        check_orthonormal();
+        check_order_and_signs();
+        for (int k = 0; k < N; k++) {
+            for (int i = 0; i < N; i++) {
+                double sum = 0;
+                for (int j = 0; j < N; j++) sum += (double)a.at[i][j] * (double)e.vector[k][j];
+                const double missed = sum - (double)e.value[k] * (double)e.vector[k][i];
+                TEST_ASSERT_TRUE(fabs(missed) <= ldexp(1e-5, power) + ldexp(1, -70));
+            }
+        }
+    }
+}
+
 static void nan_and_infinity_end_in_finite_time(void)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY};
@@ -304,6 +326,7 @@ int main(void)
 #ifndef EDML_TEST_Q24
     RUN_TEST(scaling_by_a_power_of_two_scales_values_and_keeps_vectors_bit_for_bit);
     RUN_TEST(entries_from_1e_minus_18_to_1e17);
+    RUN_TEST(entries_below_1e_minus_22_are_nothing);
     RUN_TEST(nan_and_infinity_end_in_finite_time);
 #endif
     return UNITY_END();

@@ -98,6 +98,28 @@ static void tiny_people_come_back(void)
         TEST_ASSERT_ERROR_UP_TO(ldexpf(MDS_TOLERANCE, power), worst_distance_error(x, distance));
     }
 }
+
+/* Also where squares of the matrix's entries are zero in float32. */
+static void tiny_distances_give_tiny_points(void)
+{
+    rng r = rng_seed(31);
+    for (int power = -16; power >= -144; power -= 4) {
+        for (int n = 0; n < 1000; n++) {
+            random_points(&r, y, 1);
+            for (int j = 0; j < EDML_JOINTS; j++) {
+                if (n % 2) y[j].z = 0;
+                if (n % 3 == 0) y[j].y = 0;
+                if (n % 5 == 0 && j < 10) y[j] = y[0];
+            }
+            pair_distances(distance, y);
+            for (int k = 0; k < EDML_PAIRS; k++)
+                distance[k] = ldexpf(distance[k] + (n % 7 == 0 ? uniform(&r, 0, 0.1F) : 0), power);
+            edml_mds(x, distance, &work);
+            for (int j = 0; j < EDML_JOINTS; j++)
+                TEST_ASSERT_TRUE(hypotf(hypotf(x[j].x, x[j].y), x[j].z) <= ldexpf(16, power));
+        }
+    }
+}
 #endif
 
 /* ---- Frame ------------------------------------------------------------------------------------- */
@@ -352,6 +374,7 @@ int main(void)
     RUN_TEST(the_largest_distances_give_finite_points);
 #ifndef EDML_TEST_Q24
     RUN_TEST(tiny_people_come_back);
+    RUN_TEST(tiny_distances_give_tiny_points);
 #endif
     RUN_TEST(the_centroid_is_the_origin_and_the_axes_are_principal);
     RUN_TEST(turning_moving_and_mirroring_the_person_changes_rounding_only);

@@ -29,7 +29,7 @@ static void draw_matrix(double a[EDML_JOINTS][EDML_JOINTS], double scale, choice
 /* In fixed point the Frobenius norm is limited, and errors are absolute. */
 static double draw_scale(choices *from)
 {
-    if (IS_EXACT) return draw_magnitude(from, 0x1p-48, 0x1p55);
+    if (IS_EXACT) return draw_magnitude(from, 0x1p-90, 0x1p55);
     return draw_magnitude(from, 0x1p-16, 90.0 / EDML_JOINTS);
 }
 
@@ -61,7 +61,7 @@ static void check_vectors(const edml_eigen *eigen)
 
 static void check_values(const edml_eigen *eigen, const double a[EDML_JOINTS][EDML_JOINTS])
 {
-    const double error = (IS_EXACT ? 1e-5 : 3e-5) * norm_of(a) + (IS_EXACT ? 0 : 1e-5);
+    const double error = (IS_EXACT ? 1e-5 : 3e-5) * norm_of(a) + (IS_EXACT ? 0x1p-70 : 1e-5);
     for (int k = 0; k < EDML_JOINTS; k++) {
         const double value = from_real(eigen->value[k]);
         REQUIRE(k == 0 || value <= from_real(eigen->value[k - 1]), "eigenvalues that are not in order");
