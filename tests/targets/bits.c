@@ -6,7 +6,7 @@
  *
  * -DPARTS=N prints a part, so that it fits a small flash: 1 what distances lifts, 2 direct, 4 fconn, 8 the
  * rest, 16 videos.  -DPUBLIC leaves out what calls functions that a shared library does not export: the lines
- * that begin with fconv.  -DBYTES prints at the end of how many bytes these are the checksums.
+ * that begin with fconv and equivariant.  -DBYTES prints at the end of how many bytes these are the checksums.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -21,6 +21,7 @@
 #include "edmlift/camera.h"
 #include "edmlift/stages.h"
 #include "edmlift/video.h"
+#include "../support/equivariant_small.h"
 #include "../support/fconv_tiny.h"
 #include "number/real_f32.h" /* its input, too, is the same with fused operations switched on */
 
@@ -28,7 +29,7 @@
 #define PARTS 31
 #endif
 
-enum { POSES = 200, MATRICES = 12, SHAPES = 12, STEPS = 6, NETS = 4 };
+enum { POSES = 200, MATRICES = 12, SHAPES = 12, STEPS = 6, NETS = 4, SMALL_NETS = 20 };
 
 static edml_work work;
 static edml_work_q work_q24;
@@ -558,8 +559,42 @@ static int convolve(const edml_model *model)
     return NETS;
 }
 
+/* What small equivariant networks give, in float and in integers of these weights; every third input is zero. */
+static int run_in_float(void)
+{
+    float values[EDML_MAX_UNITS];
+    for (int n = 0; n < SMALL_NETS; n++) {
+        const edml_model model = small_equivariant(small_layers_f32, draw);
+        for (int k = 0; k < SMALL_INPUTS; k++) values[k] = k % 3 == 0 ? 0.0F : 3.0F * draw_float();
+        edml__equivariant_f32(values, values, &model, &work.scratch);
+        add_words(values, 2 * SMALL_ROWS * sizeof *values);
+    }
+    return SMALL_NETS;
+}
+
+static int run_in_integers(const void *layers)
+{
+    int32_t values[EDML_MAX_UNITS];
+    for (int n = 0; n < SMALL_NETS; n++) {
+        const edml_model model = small_equivariant(layers, draw);
+        for (int k = 0; k < SMALL_INPUTS; k++) values[k] = k % 3 == 0 ? 0 : (draw(65536) - 32768) * 4096;
+        if (layers == small_layers_w16)
+            edml__equivariant_w16(values, values, &model, &work_q24.scratch);
+        else
+            edml__equivariant_w8(values, values, &model, &work_q24.scratch);
+        add_words(values, 2 * SMALL_ROWS * sizeof *values);
+    }
+    return SMALL_NETS;
+}
+
 static void report_small_networks(void)
 {
+    start();
+    report_of("equivariant ", "f32", run_in_float(), SMALL_NETS, "computed");
+    start();
+    report_of("equivariant ", "w16", run_in_integers(small_layers_w16), SMALL_NETS, "computed");
+    start();
+    report_of("equivariant ", "w8", run_in_integers(small_layers_w8), SMALL_NETS, "computed");
     const edml_model f32 = tiny_f32(), w8 = tiny_w8();
     start();
     report_of("fconv ", "f32", convolve(&f32), NETS, "computed");
