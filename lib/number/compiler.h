@@ -37,7 +37,7 @@
 #if defined(__ARM_FEATURE_DSP) && defined(__thumb2__) && defined(__GNUC__)
 #define EDML_HIGH_PRODUCT(high, a, b) __asm__("smmulr %0, %1, %2" : "=r"(high) : "r"(a), "r"(b))
 #endif
-#if defined(__ARM_FEATURE_SAT) && defined(__thumb2__) && defined(__GNUC__)
+#if defined(__ARM_FEATURE_SAT) && defined(__thumb2__) && defined(__OPTIMIZE__) /* else bits are no constant */
 #define EDML_SATURATE(y, bits, x) __asm__("usat %0, %1, %2" : "=r"(y) : "I"(bits), "r"(x) : "cc")
 #endif
 #define EDML_IS_ALIGNED4(pointer) (((uintptr_t)(pointer) & 3) == 0)
