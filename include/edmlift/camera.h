@@ -49,7 +49,7 @@ typedef struct {
  *   EDML_ERR_DEGENERATE      joints or image on a line, or smaller than 1/64 m or 0.11 degrees (RMS)
  *   EDML_ERR_CAMERA          not a camera; a joint more than 63 degrees off the camera's axis or 60 degrees
  *                            off the person; a joint behind it, or much nearer than the person; a person
- *                            beyond 100 m; a joint that is off by more than the person's size */
+ *                            beyond 100 m along an axis; a joint that is off by more than the person's size */
 edml_status edml_place(edml_placement *placement, const edml_pose *pose,
                        const edml_keypoint in[EDML_JOINTS], const edml_camera *camera, void *work,
                        size_t work_bytes);

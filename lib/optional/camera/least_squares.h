@@ -1,8 +1,8 @@
 /* Least squares by normal equations.
  *
- * A solution is a proposal: whoever asks for it compares errors before and after.  So sums beyond 64 are clamped,
- * and no input makes one overflow.  A person's are below 10; of points that are no person's a search found 84
- * (tests/overflow).
+ * A solution is a proposal: whoever asks for it compares errors before and after.  So in fixed point sums beyond 64
+ * are clamped, and no input makes one overflow; a last sum beyond 64 is no solution in either arithmetic.  A person's
+ * are below 10; of points that are no person's a search found 84 (tests/overflow).
  *
  * SPDX-License-Identifier: MIT
  */
@@ -117,8 +117,9 @@ static void add_miss(equations *n, point across, point lever, real miss)
     add_multiple_to(n->to_rotation, -miss, lever);
 }
 
-/* The translation and the rotation vector with the least sum of squares; 0 if there are none. */
-static int solve_step(point *translation, point *rotation, const equations *n)
+/* The translation and the rotation vector with the least sum of squares; 0 if there are none.  Out of line, as its
+ * locals are not needed where the stack is deepest. */
+static EDML_NOINLINE int solve_step(point *translation, point *rotation, const equations *n)
 {
     real x[UNKNOWNS], rows[UNKNOWNS][COLUMNS];
     for (int i = 0; i < 3; i++) {

@@ -45,11 +45,6 @@ static real clamped_dot(point a, point b)
     return SATURATE(PRODUCT(a.x, b.x) + PRODUCT(a.y, b.y) + PRODUCT(a.z, b.z));
 }
 
-static wide exact_dot(point a, point b)
-{
-    return EXACT(a.x, b.x) + EXACT(a.y, b.y) + EXACT(a.z, b.z);
-}
-
 static point clamped_cross(point a, point b)
 {
     const point product = {SATURATE(PRODUCT(a.y, b.z) - PRODUCT(a.z, b.y)),
@@ -325,6 +320,15 @@ static pixels reprojection_of(const scene *v, const estimate *s, const edml_came
     return MUL(f, root);
 }
 
+/* dot() of what is up to MAX_DISTANCE; returns 0 beyond that. */
+static int far_dot(real *product, point a, point b)
+{
+    const wide sum = EXACT(a.x, b.x) + EXACT(a.y, b.y) + EXACT(a.z, b.z);
+    if (!WITHIN(sum, EXACT(MAX_DISTANCE, REAL(1.0)))) return 0;
+    *product = FROM_EXACT(sum);
+    return 1;
+}
+
 /* In metres; 0 if that is too far away, or behind the camera. */
 static int mean_in_camera(point *mean, const scene *v, const estimate *s)
 {
@@ -334,12 +338,8 @@ static int mean_in_camera(point *mean, const scene *v, const estimate *s)
     /* as it was compared */
     const point p = {MUL(s->translation.x, v->size), MUL(s->translation.y, v->size),
                      DIV_TO(MAX_DISTANCE, far, v->spread)};
-    const wide limit = EXACT(MAX_DISTANCE, REAL(1.0)), x = exact_dot(back.x, p), y = exact_dot(back.y, p),
-               z = exact_dot(back.z, p);
-    if (!WITHIN(x, limit) || !WITHIN(y, limit) || !WITHIN(z, limit)) return 0;
-    mean->x = FROM_EXACT(x);
-    mean->y = FROM_EXACT(y);
-    mean->z = FROM_EXACT(z);
+    if (!far_dot(&mean->x, back.x, p) || !far_dot(&mean->y, back.y, p) || !far_dot(&mean->z, back.z, p))
+        return 0;
     return 1;
 }
 
