@@ -9,11 +9,23 @@ import numpy as np
 import pytest
 from builds import long_but, need, need_core
 
-from reports.targets import INCLUDES, ROOT, TARGETS, Target, build, compile_library, emulate, run
+from reports.targets import (
+    INCLUDES,
+    ROOT,
+    TARGETS,
+    Target,
+    build,
+    compile_each,
+    compile_library,
+    compiler,
+    emulate,
+    run,
+)
 
 EXAMPLE = ROOT / "examples" / "firmware"
 VARIANTS = ["float", "fixed"]
 MODELS = "-DEDMLIFT_MODELS=distances_w16;direct_w16"  # which the firmware names
+PICOLIBC = Path("/usr/lib/picolibc/arm-none-eabi/include")  # as Debian has it
 NO_FPU = ["cortex-m0plus", "cortex-m3", "rv32imc"]
 
 # The compiler's float arithmetic on processors that have none, and what is made with it.
@@ -129,6 +141,41 @@ def test_fixed_point_has_no_float_code(core) -> None:
     assert float_code(images / "firmware_fixed.elf", TARGETS[name]) == set()
     found = float_code(images / "firmware_float.elf", TARGETS[name])
     assert len(found) >= 8, "the test sees what the float variant has"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["cortex-m4f", "cortex-m55"])
+def test_kernels_in_assembly_compile_without_optimisation_too(name: str, tmp_path: Path) -> None:
+    need_core(TARGETS[name])
+    sources = sorted((ROOT / "lib" / "network").glob("*.c"))
+    assert len(compile_each(compiler(TARGETS[name], "-O0"), tmp_path, sources)) == len(sources) > 8
+
+
+def kernels_of(item: Path) -> dict[str, list[str]]:
+    """The machine code of the kernels in an object file, by their names."""
+    text = run("arm-none-eabi-objdump", "-d", item) + "\n\n"
+    functions = re.findall(r"<(sum_rows|activate_\w+)>:\n(.*?)\n\n", text, re.S)
+    return {name: re.findall(r"(?m)^ +\w+:\t([0-9a-f ]+?) *\t", code) for name, code in functions}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("core", [("cortex-m4", "-mfpu=fpv4-sp-d16"), ("cortex-m55", "-mfpu=auto")])
+def test_clang_assembles_the_kernels_as_gcc_does(core: tuple[str, str], tmp_path: Path) -> None:
+    cpu, fpu = core
+    need("clang")
+    need_core(TARGETS["cortex-m4f"])
+    if not PICOLIBC.exists():
+        pytest.skip(f"no {PICOLIBC}")
+    flags = [f"-mcpu={cpu}", "-mthumb", "-mfloat-abi=hard", "-std=c99", "-Os", *INCLUDES]
+    source, items = ROOT / "lib" / "network" / "equivariant_w16.c", []
+    for command in (
+        ["arm-none-eabi-gcc", "--specs=picolibc.specs", fpu],
+        ["clang", "--target=arm-none-eabi", f"-isystem{PICOLIBC}"],
+    ):
+        items.append(tmp_path / f"{command[0]}.o")
+        run(*command, *flags, "-c", source, "-o", items[-1])
+    by_gcc, by_clang = map(kernels_of, items)
+    assert by_gcc == by_clang and len(by_gcc) == 2 and all(by_gcc.values())
 
 
 @pytest.mark.long

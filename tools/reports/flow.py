@@ -163,7 +163,11 @@ class Program:
 
     def symbol(self, address: int) -> str:
         """That of a place in the code."""
-        return self.name(self.functions[bisect_right(self.functions, address) - 1])
+        return self.name(self.entry_of(address))
+
+    def entry_of(self, address: int) -> int:
+        """Of the function that a place is in: where others jump into it at their ends, not theirs."""
+        return self.functions[bisect_right(self.functions, address) - 1]
 
     def in_tables(self, address: int) -> list[int]:
         """The places in the function of an address that constant data name: a jump by a table goes
@@ -255,6 +259,7 @@ def reachable(program: Program, entry: int, pointers: dict[int, int]) -> dict[in
         if address is None or address in found:
             continue
         found[address] = program.function(address)
-        for block in found[address].blocks.values():
-            todo += [pointers.get(address) if call is None else call for call in block.calls]
+        for at, block in found[address].blocks.items():
+            there = pointers.get(program.entry_of(at))
+            todo += [there if call is None else call for call in block.calls]
     return found

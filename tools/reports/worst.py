@@ -173,11 +173,11 @@ class Flow:
             for address, block in function.blocks.items():
                 into = self.into(function, address)
                 self.copied = add(self.copied, into, float(bytes_copied(self.program, block)))
+                there = pointers.get(self.program.entry_of(address))
                 for call in block.calls:
-                    if call is None and function.entry not in pointers:
+                    if (at := there if call is None else call) is None:
                         self.equal.append((into, 0.0))  # what it would call is not linked
                     else:
-                        at = pointers[function.entry] if call is None else call
                         calls[at] = add(calls[at], into, -1.0)
         for at, row in calls.items():
             entry = {self.edge(self.functions[at], -1, at): 1.0}

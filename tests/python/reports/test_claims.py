@@ -21,7 +21,7 @@ from experiments import rivals
 from export import cli
 from model.manifest import read_manifest
 from reports import cycles, markdown, operations, size, video
-from reports.targets import SMALL_SOURCES, TARGETS, Target, compile_library, run
+from reports.targets import SMALL_SOURCES, TARGETS, Target, build, compile_library, run
 
 ACCURACY, LOG, FCONV = (ROOT / "docs" / f"{n}.md" for n in ("accuracy", "accuracy-log", "fconv"))
 
@@ -333,6 +333,16 @@ def test_all_of_the_flash_is_told(costs, tmp_path):
     flash = int(listing[1].split()[0])
     assert 0 <= flash - cost.code - cost.weights <= 200
     assert 0 < cost.helpers < cost.code
+
+    def scalings(model: str, variant: str) -> set[str]:
+        image, options = tmp_path / "scaled.elf", size.options_of(model, variant)
+        build(size.BENCH / "smallest.c", target, "-Os", image, *options, library=library)
+        names = {line.split()[-1] for line in run(f"{target.system.cross}nm", image).splitlines()}
+        return names & {"edml_mds", "edml_mds_q", "edml_align", "edml_align_q", "edml_orient_q"}
+
+    assert scalings("direct", "fixed") == scalings("direct", "f32") == set()
+    assert scalings("distances", "fixed") == {"edml_mds_q", "edml_align_q"}
+    assert scalings("fconn", "fixed") == {"edml_mds_q", "edml_orient_q"}
 
 
 @pytest.mark.claims("docs/video.md", "video_costs")

@@ -68,6 +68,15 @@ def test_a_call_counts_each_time(tmp_path: Path):
     assert worst.Flow(code, "calls", Known(calls=3)).bound() == 2 + 3 * (3 + 5) + 1
 
 
+def test_what_a_pointer_calls_is_that_of_the_function_that_calls(tmp_path: Path):
+    """Also where another function jumps into that one at its end."""
+    lift = "push {r4, lr}\nblx r3\npop {r4, pc}"
+    functions = {"edml_lift": lift, "edml__scale_and_align": "nop\nbx lr"}
+    code = program(tmp_path, stage="nop\nb edml_lift", **functions)
+    assert worst.Flow(code, "edml_lift", Known()).bound() == 3 + 2
+    assert worst.Flow(code, "stage", Known()).bound() == 2 + 3 + 2
+
+
 def test_what_is_known_of_a_whole_lift_counts(tmp_path: Path):
     code = program(tmp_path, calls=CALLS, either=EITHER, turns=TURNS)
     known = Known(calls=10)
