@@ -166,7 +166,7 @@ class Program:
         return self.name(self.entry_of(address))
 
     def entry_of(self, address: int) -> int:
-        """Of the function that a place is in: where others jump into it at their ends, not theirs."""
+        """Of the function that a place is in, also where another one jumps into it at its end."""
         return self.functions[bisect_right(self.functions, address) - 1]
 
     def in_tables(self, address: int) -> list[int]:

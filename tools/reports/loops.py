@@ -188,7 +188,11 @@ def kernel_totals(model: Model, preset: str) -> list[tuple[dict[str, int], int]]
         pairs = 2 * model.reads // 16  # of blocks: of four rows, and eight inputs of these
         return [(rows, 2 * groups), ({"sum_rows: 0": 1}, 4 * groups), ({"sum_rows: 1": 1}, pairs)]
     if not model.is_float and preset == "cortex-m55":  # rows_mve.h: parts, and blocks of eight rows
-        return [(rows, groups), ({"sum_rows: 0": 1}, 2 * groups), ({"sum_rows: 1": 1}, model.reads // 8)]
+        return [
+            (rows, groups),
+            ({"sum_rows: 0": 1}, 2 * groups),
+            ({"sum_rows: 1": 1}, model.reads // 8),
+        ]
     return [
         (rows, groups),
         ({"dot8.h: for (const activation *const end = x + inputs;": 1}, model.reads),
