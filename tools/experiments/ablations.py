@@ -127,6 +127,8 @@ def entry(run: Run) -> dict[str, Any]:
     row = run.curve[run.epochs]
     if run.recipe.network in NETWORKS and not run.recipe.fuse:  # not in the camera's axes
         row = {name: value for name, value in row.items() if not name.endswith("_camera")}
+    if not run.recipe.up:  # it cannot be told
+        row = {name: value for name, value in row.items() if " gt_up" not in name}
     return {
         "recipe": {"seed": run.seed} | dataclasses.asdict(run.recipe),
         "data": origin(run.motions, HELD_OUT),
