@@ -28,8 +28,9 @@ enum { MAX_STEPS = 24, MAX_EXTRAPOLATIONS = 8, MAX_REFINEMENTS = 5 };
 #define FINAL_ANGLE REAL(0.0009765625) /* 2^-10 */
 
 #define MAX_MISS REAL(2.0)              /* a joint is off by no more, in units of spread */
+#define MAX_IMAGE REAL(7.0)             /* tangents: 3 of a ray, and MAX_MISS spreads of 1.8 */
 #define MIN_DEPTH REAL(0.3333333333333) /* of the person's depth: no joint is nearer */
-#define MAX_IN_CAMERA REAL(63.0)        /* a joint is no farther, in units of the size, depth times spread */
+#define MAX_IN_CAMERA REAL(20.0)        /* a joint is no farther, in units of the size, depth times spread */
 
 typedef struct {
     matrix3 rotation;
@@ -115,9 +116,9 @@ static int image_residual(joint_residual *out, const scene *v, const estimate *s
     if (!(root > 0)) return 1;
     const point p = in_camera(v, joint_at(v, s, j));
     if (p.z < MUL(MIN_DEPTH, v->depth) || p.z <= EPSILON || !ALL_WITHIN(p, MAX_IN_CAMERA)) return 0;
-    if (ABS(p.x) / 8 > p.z || ABS(p.y) / 8 > p.z) return 0;
-    const real x = DIV_TO(REAL(9.0), p.x, p.z), y = DIV_TO(REAL(9.0), p.y, p.z); /* as they were compared */
-    if (HYPOT(x - v->ray[j].x, y - v->ray[j].y) > MUL(MAX_MISS, v->spread)) return 0;
+    const real off_x = p.x - MUL(v->ray[j].x, p.z), off_y = p.y - MUL(v->ray[j].y, p.z);
+    if (HYPOT(off_x, off_y) > MUL(MUL(MAX_MISS, v->spread), p.z)) return 0;
+    const real x = DIV_TO(MAX_IMAGE, p.x, p.z), y = DIV_TO(MAX_IMAGE, p.y, p.z); /* as they were compared */
     const real ratio = MUL(root, DIV_TO(REAL(3.2), v->depth, p.z)); /* no nearer than MIN_DEPTH */
     const matrix3 *r = &v->view_rotation;
     const point a = {r->x.x - MUL(x, r->x.z), r->y.x - MUL(x, r->y.z),
@@ -132,11 +133,10 @@ static int image_residual(joint_residual *out, const scene *v, const estimate *s
     return 1;
 }
 
-/* Returns 0, and an error above all others, if there is none, as for a person behind the camera. */
+/* Returns 0 if there is no error, as for a person behind the camera. */
 static int sum_errors(estimate *s, const scene *v, residual_of *residual_at)
 {
     wide sum = 0;
-    s->error = WIDE_MAX;
     for (int j = 0; j < EDML_JOINTS; j++) {
         joint_residual of;
         if (!residual_at(&of, v, s, j)) return 0;
@@ -232,10 +232,10 @@ static void extrapolate(estimate *next, const scene *v, const estimate *s)
     }
 }
 
-/* Descends in space from a rotation; returns the number of steps, or -1 if there is no error there. */
+/* Descends in space from a rotation; returns the number of steps.  If there is no error there, s is left. */
 static int object_space_descent(estimate *s, const scene *v)
 {
-    if (!best_translation(s, v)) return -1;
+    if (!best_translation(s, v)) return 0;
     int steps = 0, converged = 0;
     while (steps < MAX_STEPS && !converged) {
         estimate next;
@@ -312,8 +312,8 @@ static pixels reprojection_of(const scene *v, const estimate *s, const edml_came
         if (!(v->ray[j].z > 0)) continue;
         const point p = in_camera(v, joint_at(v, s, j));
         /* image_residual() has seen it */
-        const real x = MUL(wide_x, DIV_TO(REAL(9.0), p.x, p.z) - v->ray[j].x);
-        const real y = MUL(wide_y, DIV_TO(REAL(9.0), p.y, p.z) - v->ray[j].y);
+        const real x = MUL(wide_x, DIV_TO(MAX_IMAGE, p.x, p.z) - v->ray[j].x);
+        const real y = MUL(wide_y, DIV_TO(MAX_IMAGE, p.y, p.z) - v->ray[j].y);
         root = HYPOT(root, MUL(v->ray[j].z, HYPOT(x, y)));
     }
     ASSUME(root <= REAL(3.65)); /* no joint is off by more than MAX_MISS spreads of 1.8 */
@@ -370,15 +370,15 @@ static edml_status find_estimate(estimate *s, int *steps, scene *v)
     estimate reversed = {zero_matrix, {0, 0, 0}, WIDE_MAX};
     *s = reversed;
     if (!orthographic_start(s, v)) return EDML_ERR_DEGENERATE;
-    const int first = object_space_descent(s, v);
-    const int second = reversed_start(&reversed, v, s) ? object_space_descent(&reversed, v) : -1;
-    if (first < 0 && second < 0) return EDML_ERR_CAMERA;
+    *steps = object_space_descent(s, v);
+    if (reversed_start(&reversed, v, s)) *steps += object_space_descent(&reversed, v);
     if (reversed.error < s->error) *s = reversed;
+    if (!(s->error < WIDE_MAX)) return EDML_ERR_CAMERA;
     v->depth = in_camera(v, s->translation).z;
     ASSUME(v->depth <= REAL(22.0)); /* root of (1.8 * 8)^2 + (1.8 * 8)^2 + 8^2: a rotation changes no length */
-    const int third = refine_reprojection(s, v);
-    if (third < 0) return EDML_ERR_CAMERA;
-    *steps = (first > 0 ? first : 0) + (second > 0 ? second : 0) + third;
+    const int more = refine_reprojection(s, v);
+    if (more < 0) return EDML_ERR_CAMERA;
+    *steps += more;
     return EDML_OK;
 }
 
