@@ -102,7 +102,7 @@ typedef struct {
 edml_status edml_focal_start(edml_focal *focal, float width, float height);
 
 /* Adds what a pose tells of the focal length: the reprojection error with each one, compared with the least, in
- * proportion to the person's size in the image.  Costs 12 placements, and at most 2.5 KB of stack.
+ * proportion to the person's size in the image.  Costs 12 placements, and at most 2.6 KB of stack.
  *   pose, in, work  as for edml_place(); so is the status, if no focal length gives a placement
  *   EDML_ERR_CAMERA  also: edml_focal_start() was not called */
 edml_status edml_focal_add(edml_focal *focal, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS],

@@ -21,6 +21,8 @@
 #include "checksum.h"
 #include "rows.h"
 
+#include UNITS
+
 /* [0] what even inputs, [1] what odd ones add to the sums of rows, the first of them `row`: their sum is that
  * of a row, their difference that of its mirror row. */
 static void sum_parts(value sum[2][ROWS], const layer_inputs *in, const dense_layer *layer, int row,
@@ -28,24 +30,6 @@ static void sum_parts(value sum[2][ROWS], const layer_inputs *in, const dense_la
 {
     sum_rows(sum, in, WEIGHTS_OF(layer, row), layer->bias + row, rows);
 }
-
-#ifdef UNITS /* the processor's own */
-#include UNITS
-#else
-/* Units and mirror units of rows: y[k] is their sum, which is even, y[count + k] their difference.  Out
- * of line, because sum_parts() leaves no registers. */
-static EDML_NOINLINE void activate_rows(activation *y, value sum[2][ROWS], const dense_layer *layer,
-                                        int row, int rows, int count)
-{
-    for (int k = 0; k < rows; k++) {
-        const value even = sum[0][k], odd = sum[1][k];
-        const value unit = activate(even + odd, layer, row + k, EDML_PAIRED_BITS);
-        const value mirror_unit = activate(even - odd, layer, row + k, EDML_PAIRED_BITS);
-        y[SLOT(k)] = (activation)(unit + mirror_unit);
-        y[count + SLOT(k)] = (activation)(unit - mirror_unit);
-    }
-}
-#endif
 
 static void activate_layer(activation *y, const layer_inputs *in, const dense_layer *layer, int count)
 {

@@ -1,4 +1,4 @@
-/* activate_rows() of equivariant.h, four rows, in the words of a Cortex-M with the DSP extension.
+/* units_by_row.h, four rows, in the words of a Cortex-M with the DSP extension.
  *
  *   r0, r1 where sums and differences of units go     r4 to r7   sums of even inputs, then units
  *   r2, r3, r12, lr  multipliers                      r8 to r11  of odd ones, then mirror units
@@ -7,6 +7,8 @@
  */
 #ifndef EDML_UNITS_DSP_H
 #define EDML_UNITS_DSP_H
+
+#include "weights_integer.h"
 
 #include "rows.h"
 

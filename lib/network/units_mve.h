@@ -1,4 +1,4 @@
-/* activate_rows() of equivariant.h in the words of a Cortex-M with Helium (MVE): four rows at a time.
+/* units_by_row.h in the words of a Cortex-M with Helium (MVE): four rows at a time.
  *
  *   r0, r1 where sums and differences of units go     r2 sum, r3 multipliers
  *
@@ -6,6 +6,8 @@
  */
 #ifndef EDML_UNITS_MVE_H
 #define EDML_UNITS_MVE_H
+
+#include "weights_integer.h"
 
 #include "rows.h"
 

@@ -72,6 +72,10 @@ enum { CHUNK = EDML_CHUNK, OWN_LIST = 0 };
 #define SUM_ROWS "rows_by_row.h"
 #endif
 
+#ifndef UNITS
+#define UNITS "units_by_row.h"
+#endif
+
 #ifdef EDML_BLOCKS_BY_ROW
 #define DOT8 "dot8_by_blocks.h"
 #endif

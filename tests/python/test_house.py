@@ -167,6 +167,7 @@ FAMILIES = [
     ("api/api_",),
     ("network/weights_",),
     ("network/dot8", "network/rows_"),
+    ("network/units_",),
 ]
 
 

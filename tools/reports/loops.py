@@ -219,6 +219,7 @@ def network_totals(model: Model) -> list[tuple[dict[str, int], int]]:
     inputs = [inputs for inputs, _ in model.layers]
     return [
         ({"equivariant.h: for (int n = 1; n < model->layer_count": 1}, layers),
+        ({"units_by_row.h: for (int k = 0; k < rows; k++)": 1}, 8 * groups),
         ({"equivariant.h: for (int k = 0; k < rows; k++)": 1}, 8 * groups),
         ({"equivariant.h: for (int k = 0; k < filled; k++)": 1}, inputs[0]),
         ({"rows_some_inputs.h: for (int i = 0; i < in->inputs; i++)": 1}, sum(inputs)),

@@ -10,6 +10,7 @@
 #define EDML_SCENE_H
 
 #include "../../api/pose.h"
+#include "../../geometry/rotation.h"
 #include "../../geometry/seen.h"
 #include "least_squares.h"
 #include "line_of_sight.h"

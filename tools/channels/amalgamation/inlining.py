@@ -244,13 +244,12 @@ class FileInliner:
 
     def chosen_by(self, name: str) -> list[Token]:
         """The files that a macro may name, each under the condition that it does."""
-        choices = self.unit.choices.get(name, [])
-        if not choices or name in self.unit.chosen:
+        if name in self.unit.chosen:
             return []
         text: list[Token] = []
         known = self.unit.known()
         self.unit.depth += 1
-        for n, path in enumerate(choices, 1):
+        for n, path in enumerate(self.unit.choices[name], 1):
             text.append(Word("directive", f"#{'if' if n == 1 else 'elif'} {name} == {n}"))
             text += [Token("space", "\n"), *self.unit.inline(path), Token("space", "\n")]
             self.unit.restore(known)
