@@ -68,7 +68,8 @@ static void check_uncertainty(uint16_t seen)
 
 void fuzz_names(choices *from)
 {
-    check_number((int)draw_bits(from, draw_one_in(from, 2) ? 1 : 4) - 32);
+    const int near = (int)draw_bits(from, 1) - 32, any = (int)draw_bits(from, 4);
+    check_number(draw_one_in(from, 2) ? near : any);
     check_formats(from);
     check_models(from);
     check_uncertainty((uint16_t)draw_bits(from, 2));
