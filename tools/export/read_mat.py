@@ -87,13 +87,16 @@ VALUE = {"<": b"\x0e\0\0\0", ">": b"\0\0\0\x0e"}
 SIZES, HEAD = 32, 32 + 4 * 32  # bytes before an array's sizes, and with the most that SciPy reads
 INT32, UINT32 = 5, 6  # types of elements
 CELL, STRUCT, OBJECT = 1, 2, 3  # classes of arrays whose elements are values again
+NUMERIC = range(6, 16)  # classes of arrays of numbers, from double to uint64
+COMPLEX = 0x800  # a flag of an array: its numbers, then their imaginary parts
+NUMBERS = {1, 2, 3, 4, 5, 6, 7, 9, 12, 13}  # types of elements that are numbers
 MOST_VALUES = 5_000  # a network of 20 layers has 400
 
 
 def check_unpacked(path: Path) -> None:
     """Raises ExportError if the variables of a file of version 5 unpack to too much, or are so
     many that SciPy, which reads cells within cells by recursion, might run out of stack; or if an
-    array has no two sizes."""
+    array has no two sizes, or its numbers are of no type."""
     data = path.read_bytes()
     order = {b"IM": "<", b"MI": ">"}.get(data[126:HEADER])
     if order is None:  # version 4, which has neither
@@ -117,6 +120,7 @@ def count_values(data: bytes, order: str) -> int:
     count, at = 0, data.find(VALUE[order])
     while at >= 0:
         count += elements_at(data[at : at + HEAD], order)
+        check_numbers(data, at, order)
         at = data.find(VALUE[order], at + 1)
     return count
 
@@ -134,6 +138,32 @@ def elements_at(head: bytes, order: str) -> int:
         return 1
     dimensions = min(size, len(head) - SIZES) // 4
     return max(1, math.prod(struct.unpack_from(f"{order}{dimensions}I", head, SIZES)))
+
+
+def check_numbers(data: bytes, at: int, order: str) -> None:
+    """Raises ExportError where the array that begins there has numbers of no type: SciPy would look
+    it up all the same, and crash."""
+    if at + SIZES > len(data):
+        return
+    flags, _, tag, size = struct.unpack_from(f"{order}4I", data, at + 16)
+    if flags & 0xFF not in NUMERIC or tag not in (INT32, UINT32):
+        return
+    at = element_behind(data, element_behind(data, at + 24, order), order)  # sizes, then the name
+    for _ in range(2 if flags & COMPLEX else 1):
+        if at + TAG > len(data):
+            return
+        (kind,) = struct.unpack_from(f"{order}I", data, at)
+        if kind & 0xFFFF not in NUMBERS:
+            raise ExportError(f"holds numbers of an unknown type, {kind & 0xFFFF}")
+        at = element_behind(data, at, order)
+
+
+def element_behind(data: bytes, at: int, order: str) -> int:
+    """Where the next element begins; a short one has its bytes in its tag."""
+    if at + TAG > len(data):
+        return len(data)
+    kind, size = struct.unpack_from(f"{order}2I", data, at)
+    return at + TAG + (0 if kind >> 16 else -(-size // TAG) * TAG)
 
 
 def check_count(count: int) -> None:

@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 import onnx
 import pytest
+import scipy.io
 from exports import MANIFEST, check_exported, poses, refused, small_net
 from onnx import TensorProto
 from test_batch_norm import Onnx, by_onnx, linear, relu
@@ -341,6 +342,24 @@ def test_mat_of_cells_within_cells(tmp_path: Path, capsys, compressed: bool) -> 
     path = tmp_path / "net.mat"
     path.write_bytes(header + data)
     assert "holds more than 5000 values" in refused(tmp_path, capsys, path)
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+@pytest.mark.parametrize("numbers", [np.ones((3, 4), np.float32), np.full((3, 4), 1j)])
+def test_mat_with_numbers_of_no_type(tmp_path: Path, capsys, numbers, compressed: bool) -> None:
+    """SciPy looks up the type without asking, and crashes."""
+    path = tmp_path / "net.mat"
+    scipy.io.savemat(path, {"net": {"layers": numbers}}, do_compression=False)
+    data = path.read_bytes()
+    kind = 7 if numbers.dtype == np.float32 else 9
+    tag = struct.pack("<II", kind, numbers.real.nbytes)
+    at = data.rindex(tag)  # of the imaginary parts, where there are any
+    data = data[:at] + struct.pack("<I", 14) + data[at + 4 :]
+    if compressed:
+        packed = zlib.compress(data[128:])
+        data = data[:128] + struct.pack("<II", 15, len(packed)) + packed
+    path.write_bytes(data)
+    assert "holds numbers of an unknown type, 14" in refused(tmp_path, capsys, path)
 
 
 MANY = "holds more than 5000 values"
