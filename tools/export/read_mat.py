@@ -87,9 +87,10 @@ VALUE = {"<": b"\x0e\0\0\0", ">": b"\0\0\0\x0e"}
 SIZES, HEAD = 32, 32 + 4 * 32  # bytes before an array's sizes, and with the most that SciPy reads
 INT32, UINT32 = 5, 6  # types of elements
 CELL, STRUCT, OBJECT = 1, 2, 3  # classes of arrays whose elements are values again
-NUMERIC = range(6, 16)  # classes of arrays of numbers, from double to uint64
+CHAR, NUMERIC = 4, range(6, 16)  # classes of arrays of letters, and of numbers: double to uint64
 COMPLEX = 0x800  # a flag of an array: its numbers, then their imaginary parts
-NUMBERS = {1, 2, 3, 4, 5, 6, 7, 9, 12, 13}  # types of elements that are numbers
+# Types of elements that are letters and numbers.
+TYPES = {CHAR: {1, 2, 3, 4, 16, 17, 18}} | dict.fromkeys(NUMERIC, {1, 2, 3, 4, 5, 6, 7, 9, 12, 13})
 MOST_VALUES = 5_000  # a network of 20 layers has 400
 
 
@@ -141,20 +142,20 @@ def elements_at(head: bytes, order: str) -> int:
 
 
 def check_numbers(data: bytes, at: int, order: str) -> None:
-    """Raises ExportError where the array that begins there has numbers of no type: SciPy would look
-    it up all the same, and crash."""
+    """Raises ExportError where the array that begins there has numbers or letters of no type: SciPy
+    would look it up all the same, and crash."""
     if at + SIZES > len(data):
         return
     flags, _, tag, size = struct.unpack_from(f"{order}4I", data, at + 16)
-    if flags & 0xFF not in NUMERIC or tag not in (INT32, UINT32):
+    if flags & 0xFF not in TYPES or tag not in (INT32, UINT32):
         return
     at = element_behind(data, element_behind(data, at + 24, order), order)  # sizes, then the name
     for _ in range(2 if flags & COMPLEX else 1):
         if at + TAG > len(data):
             return
         (kind,) = struct.unpack_from(f"{order}I", data, at)
-        if kind & 0xFFFF not in NUMBERS:
-            raise ExportError(f"holds numbers of an unknown type, {kind & 0xFFFF}")
+        if kind & 0xFFFF not in TYPES[flags & 0xFF]:
+            raise ExportError(f"holds numbers or text of an unknown type, {kind & 0xFFFF}")
         at = element_behind(data, at, order)
 
 

@@ -359,7 +359,16 @@ def test_mat_with_numbers_of_no_type(tmp_path: Path, capsys, numbers, compressed
         packed = zlib.compress(data[128:])
         data = data[:128] + struct.pack("<II", 15, len(packed)) + packed
     path.write_bytes(data)
-    assert "holds numbers of an unknown type, 14" in refused(tmp_path, capsys, path)
+    assert "holds numbers or text of an unknown type, 14" in refused(tmp_path, capsys, path)
+
+
+def test_mat_with_letters_of_no_type(tmp_path: Path, capsys) -> None:
+    path = tmp_path / "net.mat"
+    scipy.io.savemat(path, {"net": {"layers": "conv"}}, do_compression=False)
+    data = path.read_bytes()
+    at = data.rindex(struct.pack("<I", 4 << 16 | 16))  # a short element of UTF-8
+    path.write_bytes(data[:at] + struct.pack("<I", 4 << 16 | 0xFF10) + data[at + 4 :])
+    assert "holds numbers or text of an unknown type, 65296" in refused(tmp_path, capsys, path)
 
 
 MANY = "holds more than 5000 values"
