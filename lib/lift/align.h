@@ -45,7 +45,7 @@ void edml_align(point x[EDML_JOINTS], const point onto[EDML_JOINTS], const edml_
     matrix3 m = sum_products(onto, x);
     const int found = to_unit_size(&m), reflected = found && reverse_left_handed(&m);
     const real signed_share = reflected ? -share : share;
-    if (found) m = nearest_to_unit(&m);
+    if (found) m = nearest_to_unit(&m); /* in the place of the matrix, which saves stack */
     for (int j = 0; j < EDML_JOINTS; j++) {
         const point turned = found ? rotate(&m, x[j]) : onto[j];
         x[j] = onto[j];

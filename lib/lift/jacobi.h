@@ -11,7 +11,7 @@
 
 enum { SWEEPS = 12 };                               /* six are usual */
 #define JACOBI_ROUNDING REAL(5.9604644775390625e-8) /* 2^-24: beside the largest entry this is nothing */
-#define JACOBI_NOTHING REAL(5.3e-23)                /* 2^-74: the square of a float below is hardly one, or zero */
+#define JACOBI_NOTHING REAL(5.3e-23)                /* 2^-74: squares of smaller floats have no bits left */
 
 /* Rotates a pair of matrix or vector entries by the angle of (cosine, sine). */
 static void rotate_pair(real *p, real *q, real cosine, real sine)

@@ -1,5 +1,5 @@
-/* From the distances that a network gives to points in the body's frame.  A model names what it needs of this, so that
- * a program whose network gives points alone links neither.
+/* From the distances that a network gives to points in the body's frame.  A model names the function that it needs, so
+ * that a program whose network gives points alone links none.
  *
  * SPDX-License-Identifier: MIT
  */

@@ -1,5 +1,5 @@
-/* rows.h in the words of a Cortex-M with an FPU: sixteen rows of weights that lie input by input, in groups of eight,
- * and a zero is looked for once for all.  vmla rounds the product before it adds, as C does: the same bits.
+/* rows.h in the words of a Cortex-M with an FPU: sixteen rows of weights that lie input by input, in groups of eight.
+ * Whether an input is zero is asked once for all of them.  vmla rounds the product before it adds, as C does: the same bits.
  *
  *   r0 y     r2, r4 weights of both groups    s0 to s15   the sums
  *   r1 x     r3 xi, as an integer             s24         xi
@@ -28,6 +28,7 @@ enum { ROWS = 2 * EDML_ROWS };
     "    vmla.f32 " s5 ", s21, s24\n"   \
     "    vmla.f32 " s6 ", s22, s24\n"   \
     "    vmla.f32 " s7 ", s23, s24\n"
+
 /* As dot8(), of the groups at w and `stride` bytes behind it; inputs > 0. */
 __attribute__((naked, noinline)) static void dot16(
     value y[ROWS] EDML_IN_REGISTER, const value *x EDML_IN_REGISTER,

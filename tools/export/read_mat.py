@@ -97,7 +97,7 @@ MOST_VALUES = 5_000  # a network of 20 layers has 400
 def check_unpacked(path: Path) -> None:
     """Raises ExportError if the variables of a file of version 5 unpack to too much, or are so
     many that SciPy, which reads cells within cells by recursion, might run out of stack; or if an
-    array has no two sizes, or its numbers are of no type."""
+    array has no two sizes, or its numbers or letters are of no type."""
     data = path.read_bytes()
     order = {b"IM": "<", b"MI": ">"}.get(data[126:HEADER])
     if order is None:  # version 4, which has neither

@@ -91,7 +91,7 @@ static int line_residual(joint_residual *out, const scene *v, const estimate *s,
     return s->translation.z > 0;
 }
 
-/* In the camera's frame, times spread. */
+/* In the camera's frame, times spread: rotate_back() of what may be long. */
 static point in_camera(const scene *v, point at)
 {
     const point flat = {MUL(v->spread, at.x), MUL(v->spread, at.y), at.z};
@@ -232,7 +232,7 @@ static void extrapolate(estimate *next, const scene *v, const estimate *s)
     }
 }
 
-/* Descends in space from a rotation; returns the number of steps.  If there is no error there, s is left. */
+/* Descends in space from a rotation; returns the number of steps.  If there is no error there, s->error stays. */
 static int object_space_descent(estimate *s, const scene *v)
 {
     if (!best_translation(s, v)) return 0;
@@ -367,7 +367,7 @@ static edml_status write_placement(edml_placement *out, const scene *v, const es
  * steps. */
 static edml_status find_estimate(estimate *s, int *steps, scene *v)
 {
-    estimate reversed = {zero_matrix, {0, 0, 0}, WIDE_MAX};
+    estimate reversed = {zero_matrix, {0, 0, 0}, WIDE_MAX}; /* which has no error yet */
     *s = reversed;
     if (!orthographic_start(s, v)) return EDML_ERR_DEGENERATE;
     *steps = object_space_descent(s, v);
