@@ -367,8 +367,8 @@ static edml_status write_placement(edml_placement *out, const scene *v, const es
  * steps. */
 static edml_status find_estimate(estimate *s, int *steps, scene *v)
 {
-    estimate reversed = {zero_matrix, {0, 0, 0}, WIDE_MAX}; /* which has no error yet */
-    *s = reversed;
+    estimate reversed = {zero_matrix, {0, 0, 0}, WIDE_MAX};
+    *s = reversed; /* neither has an error yet */
     if (!orthographic_start(s, v)) return EDML_ERR_DEGENERATE;
     *steps = object_space_descent(s, v);
     if (reversed_start(&reversed, v, s)) *steps += object_space_descent(&reversed, v);
