@@ -7,7 +7,7 @@
 #define PIXELS(n) ((int32_t)(n) * 65536) /* Q16 */
 enum { SEEN = 32767, NOT_SEEN = 0 };     /* confidences: 32767 is 1 */
 
-static edml_work_q work; /* 2.4 KB */
+static edml_work_q work; /* 1.9 KB */
 
 static int to_millimetres(int32_t metres) { return (int)(metres * 125 / 8192); } /* from Q16 */
 

@@ -129,7 +129,7 @@ size_t edml_model_work_bytes(const edml_model *model); /* for edml_lift(); 0: no
 
 /* ---- Lift --------------------------------------------------------------------------------------- */
 
-#include "edmlift/work.h" /* edml_work, 2.4 KB; edml_fconv_work, for FConv, 19 KB */
+#include "edmlift/work.h" /* edml_work, 1.9 KB; edml_fconv_work, for FConv, 19 KB */
 
 /* Lifts one person.
  *   in          14 keypoints

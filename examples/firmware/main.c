@@ -15,7 +15,7 @@ static const int32_t walk[][3 * EDML_JOINTS] = {
 };
 enum { POSES = (int)(sizeof walk / sizeof walk[0]) };
 
-static work_memory work; /* 2.4 KB: static, because it is large for a stack */
+static work_memory work; /* 1.9 KB: static, because it is large for a stack */
 
 static void detect(keypoint in[EDML_JOINTS], const int32_t row[3 * EDML_JOINTS])
 {

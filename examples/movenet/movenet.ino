@@ -11,7 +11,7 @@
 const float SIDE = 192;       // pixels of the detector's square input; a lift takes any scale
 const float THRESHOLD = 0.1F; // a keypoint with a score up to this one was not seen
 
-static edml_work work; // 2.4 KB: static, because a board's stack may be small
+static edml_work work; // 1.9 KB: static, because a board's stack may be small
 static edml_pose pose; // 14 joints in metres: x right, y down, z away from the camera; 0, 0, 0 is between the hips
 
 // What MoveNet gave for a person whose left wrist it did not see: y, x, score; shares of its square input.

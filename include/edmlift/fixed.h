@@ -57,23 +57,43 @@ typedef struct { /* Q24 */
 
 /* Work memory of a lift, as edml_work. */
 typedef struct {
-    edml_image_q image;
+    struct {
+        int32_t values[196];
+    } io;
+    struct {
+        int16_t layers[2][192]; /* no fully connected layer has more */
+    } units;
+} edml_network_work_q;
+
+typedef struct {
+    union {
+        struct {
+            int32_t gram[91];
+            union {
+                struct {
+                    int32_t band[26];
+                    edml_plane_rotation_q rotation[66];
+                } tridiagonal;
+                int32_t vector[169];
+            } by;
+        } mds;
+        edml_point_q24 step[4][EDML_JOINTS];
+    } stage;
     edml_prediction_q prediction;
+} edml_points_work_q;
+
+typedef struct {
+    edml_image_q image;
     edml_point_q24 x[EDML_JOINTS];
     union {
-        int32_t matrix[EDML_JOINTS][EDML_JOINTS], values[196];
-    } io;
-    union {
-        int16_t layers[2][192]; /* units: no fully connected layer has more */
-        edml_plane_rotation_q rotation[86];
-        int32_t vector[EDML_JOINTS - 1][EDML_JOINTS];
-        edml_point_q24 step[4][EDML_JOINTS];
-    } scratch;
+        edml_network_work_q network;
+        edml_points_work_q points;
+    } of;
 } edml_work_q;
 
 typedef struct { /* of a lift with FConv: 11 KB */
     edml_work_q lift;
-    int32_t more_scratch[2212];
+    int32_t more_units[2193];
 } edml_fconv_work_q;
 
 size_t edml_model_work_bytes_q(const edml_model *model); /* for edml_lift_q(); 0: not for that lift */

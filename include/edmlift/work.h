@@ -30,26 +30,46 @@ typedef struct { /* of two axes */
     float cosine, sine;
 } edml_plane_rotation;
 
-typedef struct {
-    edml_image image;
-    edml_prediction prediction;
-    edml_point x[EDML_JOINTS];
-    union { /* stages that do not overlap in time, here and below */
-        float matrix[EDML_JOINTS][EDML_JOINTS], values[196];
+typedef struct { /* of the network */
+    union { /* what is not needed at the same time, here and below */
+        float values[196];
         int32_t integers[196];
     } io;
     union {
-        float layer[192]; /* units: no fully connected layer has more */
+        float layer[192]; /* no fully connected layer has more */
         int16_t layers[2][192];
-        edml_plane_rotation rotation[86];
-        float vector[EDML_JOINTS - 1][EDML_JOINTS];
+    } units;
+} edml_network_work;
+
+typedef struct { /* of what follows it; the prediction is where the network's inputs and outputs are not */
+    union {
+        struct {
+            float gram[91];
+            union {
+                struct {
+                    float band[26];
+                    edml_plane_rotation rotation[66];
+                } tridiagonal;
+                float vector[169];
+            } by;
+        } mds;
         edml_point step[4][EDML_JOINTS];
-    } scratch;
+    } stage;
+    edml_prediction prediction;
+} edml_points_work;
+
+typedef struct {
+    edml_image image;
+    edml_point x[EDML_JOINTS];
+    union {
+        edml_network_work network;
+        edml_points_work points;
+    } of;
 } edml_work;
 
 typedef struct {
     edml_work lift;
-    float more_scratch[4292];
+    float more_units[4273];
 } edml_fconv_work; /* with FConv: 19 KB */
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
 /* Cyclic Jacobi eigen-decomposition of a symmetric matrix of order up to 14.
  *
- * Only the upper triangle is kept.
+ * A symmetric matrix is its upper triangle, row by row from the diagonal on.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -22,48 +22,53 @@ static void rotate_pair(real *p, real *q, real cosine, real sine)
     ASSUME(WITHIN(*p, REAL(63.7)) && WITHIN(*q, REAL(63.7))); /* below the diagonal they are once more */
 }
 
-/* Makes a[p][q] zero by the smaller of the two possible rotations, p < q, of the matrix and of its vectors.
- * Entries stay within the matrix's Frobenius norm n, up to 90, and those beside the diagonal within
+/* Row k of the triangle, which begins at the diagonal. */
+static real *row_of(real *a, int order, int k) { return a + k * (2 * order - k + 1) / 2; }
+
+/* Makes entry (p, q) zero by the smaller of the two possible rotations, p < q, of the matrix and of its
+ * vectors.  Entries stay within the matrix's Frobenius norm n, up to 90, and those beside the diagonal within
  * n / sqrt(2), as half_gap and root are. */
-static void annihilate(real a[][EDML_JOINTS], real vector[][EDML_JOINTS], int order, int p, int q)
+static void annihilate(real *a, real *vector, int order, int p, int q)
 {
-    const real half_gap = a[q][q] / 2 - a[p][p] / 2;
-    const real root = HYPOT(half_gap, a[p][q]);
+    real *const of_p = row_of(a, order, p), *const of_q = row_of(a, order, q), *const entry = of_p + q - p;
+    const real half_gap = *of_q / 2 - *of_p / 2;
+    const real root = HYPOT(half_gap, *entry);
     ASSUME(WITHIN(half_gap, REAL(63.7)) && root <= REAL(63.7)); /* n / sqrt(2) */
-    /* root is no less than a[p][q] */
-    const real tangent = DIV_TO(REAL(1.0), a[p][q], half_gap < 0 ? half_gap - root : half_gap + root);
+    /* root is no less than the entry */
+    const real tangent = DIV_TO(REAL(1.0), *entry, half_gap < 0 ? half_gap - root : half_gap + root);
     const real cosine = DIV(REAL(1.0), HYPOT(REAL(1.0), tangent));
     const real sine = MUL(tangent, cosine);
 
-    ADD_TO(REAL(90.1), a[p][p], -MUL(tangent, a[p][q])); /* entries of the matrix, turned */
-    ADD_TO(REAL(90.1), a[q][q], MUL(tangent, a[p][q]));
-    a[p][q] = 0;
-    for (int k = 0; k < p; k++) rotate_pair(&a[k][p], &a[k][q], cosine, sine);
-    for (int k = p + 1; k < q; k++) rotate_pair(&a[p][k], &a[k][q], cosine, sine);
-    for (int k = q + 1; k < order; k++) rotate_pair(&a[p][k], &a[q][k], cosine, sine);
-    for (int k = 0; k < order; k++) rotate_pair(&vector[p][k], &vector[q][k], cosine, sine);
+    ADD_TO(REAL(90.1), *of_p, -MUL(tangent, *entry)); /* entries of the matrix, turned */
+    ADD_TO(REAL(90.1), *of_q, MUL(tangent, *entry));
+    *entry = 0;
+    for (int k = 0; k < order; k++) {
+        real *const of_k = row_of(a, order, k);
+        if (k != p && k != q)
+            rotate_pair(k < p ? of_k + p - k : of_p + k - p, k < q ? of_k + q - k : of_q + k - q, cosine, sine);
+        rotate_pair(vector + p * order + k, vector + q * order + k, cosine, sine);
+    }
 }
 
-static real largest_entry(real a[][EDML_JOINTS], int order)
+static real largest_entry(const real *a, int order)
 {
     real largest = 0;
-    for (int i = 0; i < order; i++)
-        for (int j = i; j < order; j++)
-            if (ABS(a[i][j]) > largest) largest = ABS(a[i][j]);
+    for (int n = 0; n < order * (order + 1) / 2; n++)
+        if (ABS(a[n]) > largest) largest = ABS(a[n]);
     return largest;
 }
 
-/* Leaves the eigenvalues on the diagonal of a, and row k of vector, up to `order`, is that of a[k][k]. */
-static void diagonalise(real a[][EDML_JOINTS], real vector[][EDML_JOINTS], int order)
+/* Leaves the eigenvalues on the diagonal of a, and row k of vector [order][order] is that of eigenvalue k. */
+static void diagonalise(real *a, real *vector, int order)
 {
     const real least = MUL(largest_entry(a, order), JACOBI_ROUNDING) + EPSILON + JACOBI_NOTHING;
     for (int i = 0; i < order; i++)
-        for (int j = 0; j < order; j++) vector[i][j] = i == j ? REAL(1.0) : 0;
+        for (int j = 0; j < order; j++) vector[i * order + j] = i == j ? REAL(1.0) : 0;
     for (int sweep = 0, rotated = 1; sweep < SWEEPS && rotated; sweep++) {
         rotated = 0;
         for (int p = 0; p < order; p++) {
             for (int q = p + 1; q < order; q++) {
-                if (ABS(a[p][q]) <= least) continue;
+                if (ABS(row_of(a, order, p)[q - p]) <= least) continue;
                 annihilate(a, vector, order, p, q);
                 rotated = 1;
             }
@@ -71,26 +76,24 @@ static void diagonalise(real a[][EDML_JOINTS], real vector[][EDML_JOINTS], int o
     }
 }
 
-/* Exchanges eigenvalue and vector k with the ones before. */
-static void bring_forward(real a[][EDML_JOINTS], real vector[][EDML_JOINTS], int order, int k)
+static void exchange(real *p, real *q)
 {
-    const real value = a[k][k];
-    a[k][k] = a[k - 1][k - 1];
-    a[k - 1][k - 1] = value;
-    for (int j = 0; j < order; j++) {
-        const real was = vector[k][j];
-        vector[k][j] = vector[k - 1][j];
-        vector[k - 1][j] = was;
-    }
+    const real was = *p;
+    *p = *q;
+    *q = was;
 }
 
-/* Brings the largest eigenvalue from k on to k; equal ones stay in their order. */
-static void bring_largest(real a[][EDML_JOINTS], real vector[][EDML_JOINTS], int order, int k)
+/* Brings the largest eigenvalue from k on to k, and its vector; equal ones stay in their order. */
+static void bring_largest(real *a, real *vector, int order, int k)
 {
     int best = k;
     for (int i = k + 1; i < order; i++)
-        if (a[i][i] > a[best][best]) best = i;
-    for (; best > k; best--) bring_forward(a, vector, order, best);
+        if (*row_of(a, order, i) > *row_of(a, order, best)) best = i;
+    for (; best > k; best--) {
+        exchange(row_of(a, order, best), row_of(a, order, best - 1));
+        for (int j = 0; j < order; j++)
+            exchange(vector + best * order + j, vector + (best - 1) * order + j);
+    }
 }
 
 static void make_largest_positive(real vector[EDML_JOINTS])
@@ -104,11 +107,13 @@ static void make_largest_positive(real vector[EDML_JOINTS])
 
 void edml_jacobi(edml_eigen *eigen, const edml_matrix *a)
 {
-    eigen->diagonal = *a;
-    diagonalise(eigen->diagonal.at, eigen->vector, EDML_JOINTS);
+    real *const triangle = eigen->diagonal.at[0], *const vector = eigen->vector[0], *entry = triangle;
+    for (int i = 0; i < EDML_JOINTS; i++)
+        for (int j = i; j < EDML_JOINTS; j++) *entry++ = a->at[i][j];
+    diagonalise(triangle, vector, EDML_JOINTS);
     for (int k = 0; k < EDML_JOINTS; k++) {
-        bring_largest(eigen->diagonal.at, eigen->vector, EDML_JOINTS, k);
-        eigen->value[k] = eigen->diagonal.at[k][k];
+        bring_largest(triangle, vector, EDML_JOINTS, k);
+        eigen->value[k] = *row_of(triangle, EDML_JOINTS, k);
         make_largest_positive(eigen->vector[k]);
     }
 }

@@ -22,9 +22,9 @@ static EDML_NOINLINE edml_status ask_network(edml_work *work, const edml_keypoin
     point direction;
     edml_status status = up == NULL ? EDML_OK : unit_vector(&direction, *up);
     if (status != EDML_OK) return status;
-    status = to_body_frame(&work->image, in, model->fewest_joints, model->imputation, work->io.values);
+    status = to_body_frame(&work->image, in, model->fewest_joints, model->imputation, work->of.network.io.values);
     if (status == EDML_OK)
-        predict(&work->prediction, &work->image, up == NULL ? NULL : &direction, model, work);
+        predict(&work->of.points.prediction, &work->image, up == NULL ? NULL : &direction, model, work);
     return status;
 }
 
@@ -33,7 +33,7 @@ static edml_status find_points(edml_work *work, const edml_model *model)
 {
     if (SCALE(model) != NULL) return SCALE(model)(work, model);
     if (model->gives & EDML_GIVES_DISTANCES) return EDML_ERR_MODEL;
-    memcpy(work->x, work->prediction.x, sizeof work->x);
+    memcpy(work->x, work->of.points.prediction.x, sizeof work->x);
     return EDML_OK;
 }
 
@@ -62,7 +62,7 @@ edml_status edml_lift(edml_pose *pose, const edml_keypoint in[EDML_JOINTS], cons
     if (status != EDML_OK) return status;
     status = find_points(work, model);
     if (status != EDML_OK) return status;
-    const real misfit = edml_fuse(work->x, &work->image, work->prediction.share, model);
+    const real misfit = edml_fuse(work->x, &work->image, work->of.points.prediction.share, model);
     turn_to_camera(work->x, work->image.down);
     for (int j = 0; j < EDML_JOINTS; j++) {
         /* no two are farther apart than sqrt(2 * 14 * 72) = 45 m across and along */

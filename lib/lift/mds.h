@@ -69,7 +69,7 @@ static void expand(point y[EDML_JOINTS])
     ASSUME(ALL_WITHIN(y[EDML_JOINTS - 1], REAL(5.71))); /* as above */
 }
 
-static const uint8_t most_sweeps[3] = {2, 2, 4}; /* for each eigenvalue; one is usual */
+static const uint8_t most_sweeps[3] = {2, 2, 2}; /* for each eigenvalue; one is usual */
 #define SPLIT REAL(9.5367432e-7)                 /* 2^-20: beside a norm of 1 this is nothing */
 #define NEAR REAL(6.1035156e-5)                  /* 2^-14: eigenvalues so near need not be told apart */
 
@@ -93,31 +93,28 @@ static EDML_NOINLINE int split_largest(real *norm, edml_plane_rotation *done, in
 
 /* y: the first three eigenvectors, rows of length 1, each as long as the root of its eigenvalue, a coordinate
  * each. */
-static void to_points(point y[ORDER], real value[][EDML_JOINTS], real vector[][EDML_JOINTS], int order)
+static void to_points(point y[ORDER], real *a, real *vector, int order)
 {
     real length[3];
     for (int k = 0; k < 3; k++) {
-        bring_largest(value, vector, order, k);
-        ASSUME(value[k][k] <= MOST_SPREAD);                  /* an eigenvalue */
-        length[k] = value[k][k] > 0 ? SQRT(value[k][k]) : 0; /* negative: clamped */
+        bring_largest(a, vector, order, k);
+        const real value = *row_of(a, order, k);
+        ASSUME(value <= MOST_SPREAD);             /* an eigenvalue */
+        length[k] = value > 0 ? SQRT(value) : 0; /* negative: clamped */
     }
     for (int i = 0; i < ORDER; i++) {
         const int known = i < order;
         /* unit vectors, each as long as the root */
-        y[i].x = known ? MUL_TO(REAL(5.7), length[0], vector[0][i]) : 0;
-        y[i].y = known ? MUL_TO(REAL(5.7), length[1], vector[1][i]) : 0;
-        y[i].z = known ? MUL_TO(REAL(5.7), length[2], vector[2][i]) : 0;
+        y[i].x = known ? MUL_TO(REAL(5.7), length[0], vector[i]) : 0;
+        y[i].y = known ? MUL_TO(REAL(5.7), length[1], vector[order + i]) : 0;
+        y[i].z = known ? MUL_TO(REAL(5.7), length[2], vector[2 * order + i]) : 0;
     }
 }
 
-/* y: the three largest eigenvectors of the Gram matrix, in this way; 0: not found.  gram has room for the band
- * behind the matrix.  The sweeps leave next to nothing beside the diagonal of the leading 3 x 3 matrix; Jacobi's
- * rotations take that as well. */
-static int three_largest(point y[ORDER], real *gram, edml_work *work)
+/* y: the three largest eigenvectors of the Gram matrix, in this way; 0: not found.  The sweeps leave next to
+ * nothing beside the diagonal of the leading 3 x 3 matrix; Jacobi's rotations take that as well. */
+static int three_largest(point y[ORDER], real *gram, real *band, edml_plane_rotation *done)
 {
-    enum { FREE = 8 }; /* rows of io.matrix behind the band, when that has been read */
-    real *const band = gram + TRIANGLE, (*const rows)[EDML_JOINTS] = work->io.matrix;
-    edml_plane_rotation *done = work->scratch.rotation;
     real scale = REAL(1.0), value[3], beside[3];
     int sweeps[3];
     tridiagonalise(gram, band);
@@ -130,10 +127,15 @@ static int three_largest(point y[ORDER], real *gram, edml_work *work)
         value[k] = MUL_TO(MOST_SPREAD, scale, band[2 * k]); /* entries of the matrix, turned */
         beside[k] = MUL_TO(MOST_SPREAD, scale, band[2 * k + 1]);
     }
-    for (int k = 0; k < 3; k++)
-        for (int j = k; j < 3; j++) rows[FREE + k][j] = j == k ? value[k] : j == k + 1 ? beside[k] : 0;
-    diagonalise(rows + FREE, rows + FREE + 3, 3);
-    to_points(y, rows + FREE, rows + FREE + 3, 3);
+    real *const leading = band, *const vector = band + 6; /* the band has been read */
+    leading[0] = value[0];
+    leading[1] = beside[0];
+    leading[2] = 0;
+    leading[3] = value[1];
+    leading[4] = beside[1];
+    leading[5] = value[2];
+    diagonalise(leading, vector, 3);
+    to_points(y, leading, vector, 3);
     for (int k = 2; k >= 0; k--)
         for (int n = sweeps[k]; n > 0; n--)
             for (int i = k; i < ORDER - 1; i++) rotate_points(&y[i + 1], &y[i], *--done);
@@ -142,23 +144,20 @@ static int three_largest(point y[ORDER], real *gram, edml_work *work)
 }
 
 /* The same by Jacobi's rotations of the whole matrix: always right, in three times the time. */
-static EDML_NOINLINE void three_largest_by_jacobi(point y[ORDER], real *gram, edml_work *work)
+static EDML_NOINLINE void three_largest_by_jacobi(point y[ORDER], real *gram, real *vector)
 {
-    real(*const matrix)[EDML_JOINTS] = work->io.matrix;
-    const real *entry = gram + TRIANGLE;
-    for (int i = ORDER - 1; i >= 0; i--) /* apart, from the end: no entry is moved forward */
-        for (int j = ORDER - 1; j >= i; j--) matrix[i][j] = *--entry;
-    diagonalise(matrix, work->scratch.vector, ORDER);
-    to_points(y, matrix, work->scratch.vector, ORDER);
+    diagonalise(gram, vector, ORDER);
+    to_points(y, gram, vector, ORDER);
 }
 
 void edml_mds(point x[EDML_JOINTS], const real distance[EDML_PAIRS], edml_work *work)
 {
-    real *const gram = work->io.values;
+    real *const gram = work->of.points.stage.mds.gram;
     reduced_gram(gram, distance);
-    if (!three_largest(x, gram, work)) {
+    if (!three_largest(x, gram, work->of.points.stage.mds.by.tridiagonal.band,
+                       work->of.points.stage.mds.by.tridiagonal.rotation)) {
         reduced_gram(gram, distance);
-        three_largest_by_jacobi(x, gram, work);
+        three_largest_by_jacobi(x, gram, work->of.points.stage.mds.by.vector);
     }
     expand(x);
 }

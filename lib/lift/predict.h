@@ -21,7 +21,7 @@ static void clear_missing(real edm[EDML_PAIRS], uint16_t seen)
 static EDML_INLINE void predict(edml_prediction *out, const edml_image *image, const point *up,
                                 const edml_model *model, edml_work *work)
 {
-    real *const values = work->io.values;
+    real *const values = work->of.network.io.values;
     if (model->reads & EDML_READS_BODY) {
         network_inputs(values, image, up, model, out->distance);
         RUN_NETWORK(model, work);

@@ -297,8 +297,8 @@ static void try_step(point tried[EDML_JOINTS], const point x[EDML_JOINTS], const
 int edml_refine(point x[EDML_JOINTS], const real distance[EDML_PAIRS], edml_objective objective, int steps,
                 edml_work *work)
 {
-    point *now = work->scratch.step[0], *before = work->scratch.step[1];
-    point *step = work->scratch.step[2], *tried = work->scratch.step[3];
+    point(*const steps_of)[EDML_JOINTS] = work->of.points.stage.step;
+    point *now = steps_of[0], *before = steps_of[1], *step = steps_of[2], *tried = steps_of[3];
     if (objective == EDML_STRESS_NONE) return 0;
     const point zero = {0, 0, 0};
     for (int j = 0; j < EDML_JOINTS; j++) before[j] = step[j] = zero;

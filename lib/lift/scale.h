@@ -16,8 +16,8 @@
 /* Where the network gives points as well. */
 EDML_INTERNAL edml_status edml__scale_and_align(edml_work *work, const edml_model *model)
 {
-    edml_mds(work->x, work->prediction.distance, work);
-    edml_align(work->x, work->prediction.x, model);
+    edml_mds(work->x, work->of.points.prediction.distance, work);
+    edml_align(work->x, work->of.points.prediction.x, model);
     return EDML_OK;
 }
 
@@ -25,8 +25,8 @@ EDML_INTERNAL edml_status edml__scale_and_align(edml_work *work, const edml_mode
  * limbs (section 3.3). */
 EDML_INTERNAL edml_status edml__scale_and_orient(edml_work *work, const edml_model *model)
 {
-    edml_mds(work->x, work->prediction.distance, work);
-    (void)edml_refine(work->x, work->prediction.distance, (edml_objective)model->objective,
+    edml_mds(work->x, work->of.points.prediction.distance, work);
+    (void)edml_refine(work->x, work->of.points.prediction.distance, (edml_objective)model->objective,
                       model->refine_steps, work);
     const edml_status status = edml_orient(work->x, &work->image);
     if (status == EDML_OK) (void)edml_mirror(work->x, model);

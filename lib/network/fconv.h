@@ -135,12 +135,12 @@ typedef struct {
 } fconv_maps;
 
 typedef char maps_fit_the_fixed_work_memory[sizeof(activation) > 2 ||
-                                                    offsetof(edml_work_q, scratch) + sizeof(fconv_maps) <=
+                                                    offsetof(edml_work_q, of.network.units) + sizeof(fconv_maps) <=
                                                         sizeof(edml_fconv_work_q)
                                                 ? 1
                                                 : -1];
 typedef char maps_fit_the_work_memory
-    [offsetof(edml_work, scratch) + sizeof(fconv_maps) <= sizeof(edml_fconv_work) ? 1 : -1];
+    [offsetof(edml_work, of.network.units) + sizeof(fconv_maps) <= sizeof(edml_fconv_work) ? 1 : -1];
 
 EDML_INTERNAL void WEIGHTS(edml__fconv)(value *out, const value *in, const edml_model *model, void *scratch)
 {

@@ -41,7 +41,7 @@ struct edml_model {
 
     /* The network.  The model names its kernel, so that a program links only what its model needs.  A
      * float network has predict_f32, a quantised one predict_q, which the float lift runs between
-     * conversions; the other is NULL.  `scratch` is a lift's work memory from its member `scratch` on.
+     * conversions; the other is NULL.  `scratch` is a lift's work memory from its member `units` on.
      * `in` and `out` are outside of it, and may be the same; `out` has room for a layer's units. */
     void (*predict_f32)(float *out, const float *in, const edml_model *model, void *scratch);
     void (*predict_q)(int32_t *out, const int32_t *in, const edml_model *model, void *scratch);
@@ -72,7 +72,7 @@ struct edml_model {
 
 enum { FUSION_SHARE, FUSION_SQUARE, FUSION_NEARNESS };
 
-/* Runs the model's network on the work memory's io.values, in place; the caller has checked that it can.
+/* Runs the model's network on the work memory's of.network.io, in place; the caller has checked that it can.
  * predict_f32.c and predict_q.c. */
 EDML_INTERNAL void edml__run_network(const edml_model *model, void *work);
 EDML_INTERNAL void edml__run_network_q(const edml_model *model, void *work);

@@ -9,14 +9,14 @@
 
 void edml__run_network(const edml_model *model, void *memory)
 {
-    edml_work *const work = (edml_work *)memory;
-    float *const values = work->io.values;
-    int32_t *const integers = work->io.integers; /* in the same place */
+    edml_network_work *const network = &((edml_work *)memory)->of.network;
+    float *const values = network->io.values;
+    int32_t *const integers = network->io.integers; /* in the same place */
     if (model->predict_f32 != NULL) {
-        model->predict_f32(values, values, model, &work->scratch);
+        model->predict_f32(values, values, model, &network->units);
         return;
     }
     for (int k = 0; k < model->inputs; k++) integers[k] = (int32_t)(values[k] * ONE_Q24); /* below 12 */
-    model->predict_q(integers, integers, model, &work->scratch);
+    model->predict_q(integers, integers, model, &network->units);
     for (int k = 0; k < edml__output_values(model); k++) values[k] = (float)integers[k] / ONE_Q24;
 }

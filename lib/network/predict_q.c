@@ -6,6 +6,6 @@
 
 void edml__run_network_q(const edml_model *model, void *memory)
 {
-    edml_work_q *const work = (edml_work_q *)memory;
-    model->predict_q(work->io.values, work->io.values, model, &work->scratch);
+    edml_network_work_q *const network = &((edml_work_q *)memory)->of.network;
+    model->predict_q(network->io.values, network->io.values, model, &network->units);
 }

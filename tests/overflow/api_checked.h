@@ -114,28 +114,42 @@ struct edml_eigen_checked {
     edml_matrix_checked diagonal;
 };
 
-struct edml_work_checked {
+struct edml_work_checked { /* with structures for the unions of edml_work_q */
     edml_image_checked image;
-    edml_prediction_checked prediction;
     point x[EDML_JOINTS];
-    struct { /* unions in edml_work_q */
-        real matrix[EDML_JOINTS][EDML_JOINTS], values[196];
-    } io;
     struct {
-        edml_plane_rotation_checked rotation[86];
-        real vector[EDML_JOINTS - 1][EDML_JOINTS];
-        point step[4][EDML_JOINTS];
-    } scratch;
+        struct {
+            struct {
+                real values[196];
+            } io;
+        } network;
+        struct {
+            struct {
+                struct {
+                    real gram[91];
+                    struct {
+                        struct {
+                            real band[26];
+                            edml_plane_rotation_checked rotation[66];
+                        } tridiagonal;
+                        real vector[169];
+                    } by;
+                } mds;
+                point step[4][EDML_JOINTS];
+            } stage;
+            edml_prediction_checked prediction;
+        } points;
+    } of;
 };
 
 /* The network has integers of its own, and the exporter proves their ranges. */
 static inline void checked_network(const edml_model *model, edml_work_checked *work)
 {
     static edml_fconv_work_q memory;
-    int32_t *values = memory.lift.io.values;
-    for (int k = 0; k < model->inputs; k++) values[k] = work->io.values[k].value();
+    int32_t *values = memory.lift.of.network.io.values;
+    for (int k = 0; k < model->inputs; k++) values[k] = work->of.network.io.values[k].value();
     edml__run_network_q(model, &memory);
-    for (int k = 0; k < edml__output_values(model); k++) work->io.values[k] = values[k];
+    for (int k = 0; k < edml__output_values(model); k++) work->of.network.io.values[k] = values[k];
 }
 
 typedef edml_status checked_scale(edml_work_checked *work, const edml_model *model);

@@ -22,14 +22,14 @@ int main(void)
     up.x = Frama_C_interval(-one, one);
     up.y = Frama_C_interval(-one, one);
     up.z = Frama_C_interval(-one, one);
-    predict(&work.prediction, &work.image, Frama_C_interval(0, 1) ? &up : NULL, &MODEL, &work);
+    predict(&work.of.points.prediction, &work.image, Frama_C_interval(0, 1) ? &up : NULL, &MODEL, &work);
     for (int j = 0; j < EDML_JOINTS; j++) {
-        const point p = work.prediction.x[j];
+        const point p = work.of.points.prediction.x[j];
         ASSERT(WITHIN(p.x, 2 * far) && WITHIN(p.y, 2 * far) && WITHIN(p.z, 2 * far));
-        ASSERT(0 <= work.prediction.share[j] && work.prediction.share[j] <= one);
+        ASSERT(0 <= work.of.points.prediction.share[j] && work.of.points.prediction.share[j] <= one);
     }
     for (int k = 0; k < EDML_PAIRS; k++) {
-        const real d = work.prediction.distance[k];
+        const real d = work.of.points.prediction.distance[k];
         ASSERT(0 <= d && d <= far);
     }
     return 0;

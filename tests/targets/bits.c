@@ -566,7 +566,7 @@ static int run_in_float(void)
     for (int n = 0; n < SMALL_NETS; n++) {
         const edml_model model = small_equivariant(small_layers_f32, draw);
         for (int k = 0; k < SMALL_INPUTS; k++) values[k] = k % 3 == 0 ? 0.0F : 3.0F * draw_float();
-        edml__equivariant_f32(values, values, &model, &work.scratch);
+        edml__equivariant_f32(values, values, &model, &work.of.network.units);
         add_words(values, 2 * SMALL_ROWS * sizeof *values);
     }
     return SMALL_NETS;
@@ -579,9 +579,9 @@ static int run_in_integers(const void *layers)
         const edml_model model = small_equivariant(layers, draw);
         for (int k = 0; k < SMALL_INPUTS; k++) values[k] = k % 3 == 0 ? 0 : (draw(65536) - 32768) * 4096;
         if (layers == small_layers_w16)
-            edml__equivariant_w16(values, values, &model, &work_q24.scratch);
+            edml__equivariant_w16(values, values, &model, &work_q24.of.network.units);
         else
-            edml__equivariant_w8(values, values, &model, &work_q24.scratch);
+            edml__equivariant_w8(values, values, &model, &work_q24.of.network.units);
         add_words(values, 2 * SMALL_ROWS * sizeof *values);
     }
     return SMALL_NETS;

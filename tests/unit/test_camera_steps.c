@@ -21,10 +21,10 @@ static scene random_view(rng *r, float noise)
     edml_keypoint image[EDML_JOINTS];
     edml_point x[EDML_JOINTS];
     scene v;
-    v.joint = memory.scratch.step[0];
-    v.ray = memory.scratch.step[1];
-    v.a = memory.scratch.step[2];
-    v.b = memory.scratch.step[3];
+    v.joint = memory.of.points.stage.step[0];
+    v.ray = memory.of.points.stage.step[1];
+    v.a = memory.of.points.stage.step[2];
+    v.b = memory.of.points.stage.step[3];
     const float depth = uniform(r, 3, 6), across = uniform(r, -1, 1);
     const rotation3 turn = random_rotation(r);
     random_human(r, someone.joint);

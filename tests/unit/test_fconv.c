@@ -54,16 +54,16 @@ static void someone(uint32_t seed)
 /* As a lift runs it: on its work memory, in place. */
 static void predict(float distance[EDML_PAIRS], const float edm[EDML_PAIRS], const edml_model *model)
 {
-    memcpy(work.lift.io.values, edm, EDML_PAIRS * sizeof *edm);
+    memcpy(work.lift.of.network.io.values, edm, EDML_PAIRS * sizeof *edm);
     edml__run_network(model, &work);
-    memcpy(distance, work.lift.io.values, EDML_PAIRS * sizeof *distance);
+    memcpy(distance, work.lift.of.network.io.values, EDML_PAIRS * sizeof *distance);
 }
 
 static void predict_q(int32_t distance[EDML_PAIRS], const int32_t edm[EDML_PAIRS], const edml_model *model)
 {
-    memcpy(work_q.lift.io.values, edm, EDML_PAIRS * sizeof *edm);
+    memcpy(work_q.lift.of.network.io.values, edm, EDML_PAIRS * sizeof *edm);
     edml__run_network_q(model, &work_q);
-    memcpy(distance, work_q.lift.io.values, EDML_PAIRS * sizeof *distance);
+    memcpy(distance, work_q.lift.of.network.io.values, EDML_PAIRS * sizeof *distance);
 }
 
 static void the_float_network_is_numpys(void)

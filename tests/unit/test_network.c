@@ -24,16 +24,16 @@ static float edm[EDML_PAIRS], distance[EDML_PAIRS];
 /* As the lift runs a network: on its work memory, in place. */
 static void predict(float *out, const float *in, const edml_model *model)
 {
-    memcpy(work.io.values, in, model->inputs * sizeof *in);
+    memcpy(work.of.network.io.values, in, model->inputs * sizeof *in);
     edml__run_network(model, &work);
-    memcpy(out, work.io.values, (size_t)edml__output_values(model) * sizeof *out);
+    memcpy(out, work.of.network.io.values, (size_t)edml__output_values(model) * sizeof *out);
 }
 
 static void predict_q(int32_t *out, const int32_t *in, const edml_model *model)
 {
-    memcpy(work_q24.io.values, in, model->inputs * sizeof *in);
+    memcpy(work_q24.of.network.io.values, in, model->inputs * sizeof *in);
     edml__run_network_q(model, &work_q24);
-    memcpy(out, work_q24.io.values, (size_t)edml__output_values(model) * sizeof *out);
+    memcpy(out, work_q24.of.network.io.values, (size_t)edml__output_values(model) * sizeof *out);
 }
 
 static void fill_edm(uint32_t seed)
@@ -283,7 +283,7 @@ static void check_against_definition(const edml_model *model)
         else
             expect_fconn(in_q24, model);
         memset(&work_q24, n, sizeof work_q24);
-        model->predict_q(out_q24, in_q24, model, &work_q24.scratch);
+        model->predict_q(out_q24, in_q24, model, &work_q24.of.network.units);
         TEST_ASSERT_EQUAL_MEMORY(wanted_q24, out_q24, size);
         predict_q(out_q24, in_q24, model);
         TEST_ASSERT_EQUAL_MEMORY(wanted_q24, out_q24, size);

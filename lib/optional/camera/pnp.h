@@ -391,10 +391,10 @@ edml_status edml_place(edml_placement *out, const edml_pose *pose, const edml_ke
     if (work_bytes < sizeof(edml_work)) return EDML_ERR_WORK_TOO_SMALL;
     edml_work *const work = (edml_work *)memory; /* tests/overflow compiles this as C++ */
     scene v;
-    v.joint = work->scratch.step[0];
-    v.ray = work->scratch.step[1];
-    v.a = work->scratch.step[2];
-    v.b = work->scratch.step[3];
+    v.joint = work->of.points.stage.step[0];
+    v.ray = work->of.points.stage.step[1];
+    v.a = work->of.points.stage.step[2];
+    v.b = work->of.points.stage.step[3];
     edml_status status = set_up_scene(&v, pose, in, camera);
     if (status != EDML_OK) return status;
     estimate s;

@@ -51,7 +51,7 @@ STAGE stage_impute(void) { edml_body_frame(&image, partly, 10, MODEL.imputation)
 STAGE stage_frame(void) { edml_body_frame(&image, in, 10, MODEL.imputation); }
 STAGE stage_inputs(void)
 {
-    real *const values = lift_work()->io.values;
+    real *const values = lift_work()->of.network.io.values;
     if (MODEL.reads & EDML_READS_BODY)
         network_inputs(values, &image, NULL, &MODEL, said.distance);
     else

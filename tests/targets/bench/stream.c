@@ -9,7 +9,7 @@ void stream_values(float values[STREAM_VALUES], int n)
     make_pose(n);
     stage_frame();
     stage_inputs();
-    memcpy(values, lift_work()->io.values, MODEL.inputs * sizeof *values);
+    memcpy(values, lift_work()->of.network.io.values, MODEL.inputs * sizeof *values);
 }
 
 void stream_distances(float distance[STREAM_PAIRS], int n)
@@ -27,9 +27,9 @@ void stream_mds(float points[STREAM_JOINTS][3], const float distance[STREAM_PAIR
 
 const float *stream_network(const float values[STREAM_VALUES])
 {
-    memcpy(lift_work()->io.values, values, MODEL.inputs * sizeof *values);
+    memcpy(lift_work()->of.network.io.values, values, MODEL.inputs * sizeof *values);
     stage_network();
-    return lift_work()->io.values;
+    return lift_work()->of.network.io.values;
 }
 
 int stream_layers(void) { return MODEL.layer_count; }
