@@ -9,7 +9,7 @@
  * training    recipe mds, seed 0
  */
 
-#if EDML_WEIGHTS_FORMAT != 10
+#if EDML_WEIGHTS_FORMAT != 11
 #error "regenerate with tools/export_weights.py"
 #endif
 

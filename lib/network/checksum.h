@@ -21,34 +21,27 @@ static uint32_t hash_value(uint32_t hash, const void *item, size_t size)
     return next;
 }
 
-static uint32_t hash_values(uint32_t hash, const void *values, uint32_t count, size_t size)
+static uint32_t hash_values(uint32_t hash, const void *values, int count, size_t size)
 {
     const uint8_t *item = (const uint8_t *)values;
-    for (uint32_t n = 0; n < count; n++, item += size) hash = hash_value(hash, item, size);
+    for (int n = 0; n < count; n++, item += size) hash = hash_value(hash, item, size);
     return hash;
 }
 
-/* Where in its memory a network's weight is that the header has in place n: in a block of 8x8, row and input
- * change places. */
-static uint32_t place_of(uint32_t n, int chunk)
+/* Where in its memory a network's weight is that the header has in place n; chunk: 1, or that of blocks. */
+static int place_of(int n, int inputs, int chunk)
 {
-#ifdef EDML_BLOCKS_BY_ROW
-    if (chunk == EDML_CHUNK) {
-        const uint32_t row = n % EDML_ROWS, input = n / EDML_ROWS % EDML_CHUNK;
-        return n - input * EDML_ROWS - row + row * EDML_CHUNK + input;
-    }
-#endif
-    (void)chunk;
-    return n;
+    const int group = n / EDML_ROWS / inputs, input = n / EDML_ROWS % inputs, row = n % EDML_ROWS;
+    return chunk == 1 ? n : edml__place(group * EDML_ROWS + row, input, inputs, (int)sizeof(weight));
 }
 
 static uint32_t hash_layers(const dense_layer *layer, int count, int chunk)
 {
     uint32_t hash = 2166136261U;
     for (int n = 0; n < count; n++, layer++) {
-        const uint32_t rows = (layer->outputs + EDML_ROWS - 1U) / EDML_ROWS * EDML_ROWS;
-        for (uint32_t k = 0; k < rows * layer->inputs; k++)
-            hash = hash_value(hash, &layer->weight[place_of(k, chunk)], sizeof *layer->weight);
+        const int rows = EDML_ROWS * EDML_GROUPS(layer->outputs);
+        for (int k = 0; k < rows * layer->inputs; k++)
+            hash = hash_value(hash, &layer->weight[place_of(k, layer->inputs, chunk)], sizeof *layer->weight);
         hash = hash_values(hash, layer->bias, rows, sizeof *layer->bias);
         HASH_MULTIPLIERS(hash, layer, rows);
     }

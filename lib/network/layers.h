@@ -4,8 +4,10 @@
  * last group is filled up with zeros.
  *
  * In integers, fully connected networks have blocks of EDML_ROWS rows and EDML_CHUNK inputs, each written
- * input by input.  A processor that multiplies pairs of 16 bits has each row of a block side by side.  Inputs
- * are filled up to whole blocks, in an equivariant network the even ones and the odd ones.
+ * input by input: EDML_BLOCK of 16 bits, EDML_BYTES_BLOCK of 8.  A processor that multiplies many pairs of 16
+ * bits at a time has each row of a block side by side, and one that multiplies two has the rows of each pair of
+ * inputs side by side.  Inputs are filled up to whole blocks, in an equivariant network the even ones and the
+ * odd ones.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -26,13 +28,28 @@ enum {
     EDML_SOFTENING = 2458    /* Q12, 0.6: equivariant networks read d^2 / (d + softening) */
 };
 
-/* Where a processor multiplies several numbers of 16 bits at a time. */
-#if defined(__ARM_FEATURE_DSP) || defined(__ARM_FEATURE_MVE) || defined(__SSE2__) ||                       \
-    defined(__wasm_simd128__)
+#if defined(__ARM_FEATURE_MVE) || defined(__SSE2__) || defined(__wasm_simd128__)
 #define EDML_BLOCKS_BY_ROW
+#elif defined(__ARM_FEATURE_DSP) && defined(__thumb2__) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
+#define EDML_BLOCKS_BY_PAIR
 #endif
 
-#ifdef EDML_BLOCKS_BY_ROW
+#if defined(EDML_BLOCKS_BY_PAIR)
+#define EDML_BLOCK(...) EDML_FOUR_PAIRS(EDML_PAIR_OF_INPUTS, __VA_ARGS__)
+#define EDML_BYTES_BLOCK(...) EDML_FOUR_PAIRS(EDML_BYTES_OF_INPUTS, __VA_ARGS__)
+#define EDML_PAIR_OF_INPUTS(a0, b0, c0, d0, e0, f0, g0, h0, a1, b1, c1, d1, e1, f1, g1, h1)                \
+    a0, a1, b0, b1, c0, c1, d0, d1, e0, e1, f0, f1, g0, g1, h0, h1
+#define EDML_BYTES_OF_INPUTS(a0, b0, c0, d0, e0, f0, g0, h0, a1, b1, c1, d1, e1, f1, g1, h1)               \
+    a0, b0, a1, b1, c0, d0, c1, d1, e0, f0, e1, f1, g0, h0, g1, h1
+#define EDML_FOUR_PAIRS(pair, a0, b0, c0, d0, e0, f0, g0, h0, a1, b1, c1, d1, e1, f1, g1, h1, a2, b2,      \
+    c2, d2, e2, f2, g2, h2, a3, b3, c3, d3, e3, f3, g3, h3, a4, b4, c4, d4, e4, f4, g4, h4, a5, b5, c5,    \
+    d5, e5, f5, g5, h5, a6, b6, c6, d6, e6, f6, g6, h6, a7, b7, c7, d7, e7, f7, g7, h7)                    \
+    pair(a0, b0, c0, d0, e0, f0, g0, h0, a1, b1, c1, d1, e1, f1, g1, h1),                                  \
+    pair(a2, b2, c2, d2, e2, f2, g2, h2, a3, b3, c3, d3, e3, f3, g3, h3),                                  \
+    pair(a4, b4, c4, d4, e4, f4, g4, h4, a5, b5, c5, d5, e5, f5, g5, h5),                                  \
+    pair(a6, b6, c6, d6, e6, f6, g6, h6, a7, b7, c7, d7, e7, f7, g7, h7)
+#elif defined(EDML_BLOCKS_BY_ROW)
+#define EDML_BYTES_BLOCK(...) EDML_BLOCK(__VA_ARGS__)
 #define EDML_BLOCK(a0, b0, c0, d0, e0, f0, g0, h0, a1, b1, c1, d1, e1, f1, g1, h1, a2, b2, c2, d2, e2, f2, \
                    g2, h2, a3, b3, c3, d3, e3, f3, g3, h3, a4, b4, c4, d4, e4, f4, g4, h4, a5, b5, c5, d5, \
                    e5, f5, g5, h5, a6, b6, c6, d6, e6, f6, g6, h6, a7, b7, c7, d7, e7, f7, g7, h7)         \
@@ -41,7 +58,25 @@ enum {
         g1, g2, g3, g4, g5, g6, g7, h0, h1, h2, h3, h4, h5, h6, h7
 #else
 #define EDML_BLOCK(...) __VA_ARGS__
+#define EDML_BYTES_BLOCK(...) __VA_ARGS__
 #endif
+
+/* Where in a layer of integers the weight of a row and an input is; bytes: of a weight. */
+static inline int edml__place(int row, int input, int inputs, int bytes)
+{
+    const int block = (row / EDML_ROWS * inputs + input / EDML_CHUNK * EDML_CHUNK) * EDML_ROWS;
+    const int r = row % EDML_ROWS, i = input % EDML_CHUNK;
+#if defined(EDML_BLOCKS_BY_PAIR)
+    const int pair = block + i / 2 * 2 * EDML_ROWS;
+    return bytes == 1 ? pair + r / 2 * 4 + i % 2 * 2 + r % 2 : pair + r * 2 + i % 2;
+#elif defined(EDML_BLOCKS_BY_ROW)
+    (void)bytes;
+    return block + r * EDML_CHUNK + i;
+#else
+    (void)bytes;
+    return block + i * EDML_ROWS + r;
+#endif
+}
 
 #define EDML_GROUPS(outputs) (((outputs) + EDML_ROWS - 1) / EDML_ROWS)
 
@@ -61,7 +96,7 @@ typedef struct {
  * bits, and that (W x + b) 2^(32 - shift) does not.  Only a last layer has another shift than 32. */
 typedef struct {
     uint16_t inputs, outputs;
-    const int16_t *weight;            /* [groups][inputs][EDML_ROWS], or in blocks by row; EDML_ALIGN4 */
+    const int16_t *weight;            /* [groups][inputs][EDML_ROWS], in blocks; EDML_ALIGN4 */
     const int32_t *bias, *multiplier; /* [groups * EDML_ROWS]; multiplier > 0 */
     uint8_t shift;                    /* 1 to 32 */
     int32_t clamp;                    /* the last layer: 3 m.  Others: what their kernel's bits hold */

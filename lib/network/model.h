@@ -17,7 +17,7 @@
 
 /* Raised when the meaning of the generated data changes; a header of another format does not
  * compile. */
-#define EDML_WEIGHTS_FORMAT 10
+#define EDML_WEIGHTS_FORMAT 11
 
 enum {
     EDML_READS_DISTANCES = 1, /* in the image.  Alone: [91], as edml_edm() has them */

@@ -1,7 +1,7 @@
-/* units_by_row.h, four rows, in the words of a Cortex-M with the DSP extension.
+/* units_by_row.h in the words of a Cortex-M with the DSP extension: four rows at a time.
  *
  *   r0, r1 where sums and differences of units go     r4 to r7   sums of even inputs, then units
- *   r2, r3, r12, lr  multipliers                      r8 to r11  of odd ones, then mirror units
+ *   r2 sum, r3 multipliers; r12, lr two of them       r8 to r11  of odd ones, then mirror units
  *
  * SPDX-License-Identifier: MIT
  */
@@ -20,34 +20,34 @@ typedef char paired_units_have_14_bits[EDML_PAIRED_BITS == 14 ? 1 : -1];
     "    sub    " odd ", " even ", " odd ", lsl #1\n"               \
     "    smmulr " even ", " even ", " multiplier "\n"               \
     "    smmulr " odd ", " odd ", " multiplier "\n"                 \
-    "    usat   " even ", #14, " even "\n"                             \
+    "    usat   " even ", #14, " even "\n"                          \
     "    usat   " odd ", #14, " odd "\n"
 
-/* Two units of neighbouring slots, and their mirror units, to sums and differences. */
+/* Two units, and their mirror units, to sums and differences. */
 #define PAIR_UNITS(unit, other, mirror_unit, other_mirror)                               \
     "    pkhbt  " unit ", " unit ", " other ", lsl #16\n"                                \
     "    pkhbt  " mirror_unit ", " mirror_unit ", " other_mirror ", lsl #16\n"           \
     "    ssub16 " other_mirror ", " unit ", " mirror_unit "\n"                           \
     "    sadd16 " other ", " unit ", " mirror_unit "\n"
 
-__attribute__((naked, noinline)) static void activate_four(
+#define ACTIVATE_FOUR                                                                    \
+    "    add    r12, r2, #32\n"                                                          \
+    "    ldmia  r2!, {r4-r7}\n"                                                          \
+    "    ldmia  r12, {r8-r11}\n"                                                         \
+    "    ldmia  r3!, {r12, lr}\n"                                                        \
+    ACTIVATE_ROW("r4", "r8", "r12") ACTIVATE_ROW("r5", "r9", "lr")                       \
+    "    ldmia  r3!, {r12, lr}\n"                                                        \
+    ACTIVATE_ROW("r6", "r10", "r12") ACTIVATE_ROW("r7", "r11", "lr")                     \
+    PAIR_UNITS("r4", "r5", "r8", "r9") PAIR_UNITS("r6", "r7", "r10", "r11")              \
+    "    strd   r5, r7, [r0], #8\n"                                                      \
+    "    strd   r9, r11, [r1], #8\n"
+
+__attribute__((naked, noinline)) static void activate_eight(
     activation *sums EDML_IN_REGISTER, activation *differences EDML_IN_REGISTER,
     value sum[2][ROWS] EDML_IN_REGISTER, const int32_t *multiplier EDML_IN_REGISTER)
 {
     __asm__("    push   {r4-r11, lr}\n"
-            "    ldmia  r2, {r4-r11}\n"
-            "    ldmia  r3, {r2, r3, r12, lr}\n"
-            ACTIVATE_ROW("r4", "r8", "r2") ACTIVATE_ROW("r5", "r9", "r3")
-            ACTIVATE_ROW("r6", "r10", "r12") ACTIVATE_ROW("r7", "r11", "lr")
-#ifdef EDML_BYTES /* slots 0, 2, 1, 3 */
-            PAIR_UNITS("r4", "r6", "r8", "r10") PAIR_UNITS("r5", "r7", "r9", "r11")
-            "    strd   r6, r7, [r0]\n"
-            "    strd   r10, r11, [r1]\n"
-#else
-            PAIR_UNITS("r4", "r5", "r8", "r9") PAIR_UNITS("r6", "r7", "r10", "r11")
-            "    strd   r5, r7, [r0]\n"
-            "    strd   r9, r11, [r1]\n"
-#endif
+            ACTIVATE_FOUR ACTIVATE_FOUR
             "    pop    {r4-r11, pc}\n");
 }
 /* clang-format on */
@@ -56,7 +56,7 @@ static inline void activate_rows(activation *y, value sum[2][ROWS], const dense_
                                  int rows, int count)
 {
     (void)rows;
-    activate_four(y, y + count, sum, layer->multiplier + row);
+    activate_eight(y, y + count, sum, layer->multiplier + row);
 }
 
 #endif

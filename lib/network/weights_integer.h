@@ -58,14 +58,14 @@ static inline int32_t mean_output(int32_t a, int32_t b, const dense_layer *layer
 enum { CHUNK = EDML_CHUNK, OWN_LIST = 0 };
 #define OTHER_UNITS(scratch, out) ((activation *)(scratch) + EDML_MAX_UNITS)
 #define SKIPS_ZEROS 1
-#ifndef EDML_BLOCKS_BY_ROW
+#if defined(EDML_BLOCKS_BY_PAIR)
+#define SUM_ROWS "rows_dsp.h"
+#define UNITS "units_dsp.h"
+#elif !defined(EDML_BLOCKS_BY_ROW)
 #define SUM_ROWS "rows_listed.h"
 #elif defined(__ARM_FEATURE_MVE) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
 #define SUM_ROWS "rows_mve.h"
 #define UNITS "units_mve.h"
-#elif defined(__ARM_FEATURE_DSP) && defined(__thumb2__) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
-#define SUM_ROWS "rows_dsp.h"
-#define UNITS "units_dsp.h"
 #elif defined(__SSE2__) || defined(__wasm_simd128__)
 #define SUM_ROWS "rows_i16x8.h"
 #else
@@ -76,7 +76,7 @@ enum { CHUNK = EDML_CHUNK, OWN_LIST = 0 };
 #define UNITS "units_by_row.h"
 #endif
 
-#ifdef EDML_BLOCKS_BY_ROW
+#if defined(EDML_BLOCKS_BY_ROW) || defined(EDML_BLOCKS_BY_PAIR)
 #define DOT8 "dot8_by_blocks.h"
 #endif
 

@@ -8,7 +8,6 @@
 
 #include <string.h>
 
-#include "fconv_tiny.h" /* tiny_place() */
 #include "network/kernels.h"
 
 EDML_KERNEL(equivariant, f32);
@@ -32,9 +31,8 @@ static void draw_small_layer(int n, int (*draw)(int range))
     const int inputs = n == 0 ? SMALL_INPUTS : 2 * SMALL_UNITS, rows = n == 0 ? SMALL_UNITS : SMALL_ROWS;
     for (int row = 0; row < rows; row++) {
         for (int input = 0; input < inputs; input++) {
-            const int place = tiny_place(inputs, input, row);
-            small_w16[n][place] = (int16_t)(draw(2048) - 1024);
-            small_w8[n][place] = (int8_t)(draw(255) - 127);
+            small_w16[n][edml__place(row, input, inputs, 2)] = (int16_t)(draw(2048) - 1024);
+            small_w8[n][edml__place(row, input, inputs, 1)] = (int8_t)(draw(255) - 127);
             small_f32[n][row / 8 * 8 * inputs + input * 8 + row % 8] = (float)(draw(2049) - 1024) / 1024.0F;
         }
         small_bias[n][row] = (draw(2048) - 1024) * 4096;

@@ -26,20 +26,6 @@ static int tiny_draw(uint32_t *state) /* -127 to 127 */
     return (int)((*state >> 16) % 255) - 127;
 }
 
-/* Where the weight of an input and a row is in integers. */
-static int tiny_place(int inputs, int input, int row)
-{
-    const int group = row / EDML_ROWS * EDML_ROWS, block = input / EDML_CHUNK * EDML_CHUNK;
-    row -= group;
-    input -= block;
-#ifdef EDML_BLOCKS_BY_ROW
-    const int place = row * EDML_CHUNK + input;
-#else
-    const int place = input * EDML_ROWS + row;
-#endif
-    return group * inputs + block * EDML_ROWS + place;
-}
-
 /* A layer whose weights are multiples of 2^-scale.  Activations are in Q12, so that in integers a
  * sum is in Q(12 + scale). */
 static void tiny_layer(int n, int inputs, int outputs, int scale, uint32_t *state)
@@ -49,7 +35,7 @@ static void tiny_layer(int n, int inputs, int outputs, int scale, uint32_t *stat
     for (int k = 0; k < rows * inputs; k++) {
         const int input = k / EDML_ROWS % inputs, row = k / EDML_ROWS / inputs * EDML_ROWS + k % EDML_ROWS;
         const int drawn = k % EDML_ROWS < outputs ? tiny_draw(state) : 0;
-        tiny_weight[n][tiny_place(filled, input, row)] = (int8_t)drawn;
+        tiny_weight[n][edml__place(row, input, filled, 1)] = (int8_t)drawn;
         tiny_weight_f32[n][k] = (float)drawn / (float)(1 << scale);
     }
     for (int k = 0; k < rows; k++) {

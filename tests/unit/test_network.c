@@ -154,23 +154,17 @@ static int full_groups(int rows) { return (rows + EDML_ROWS - 1) / EDML_ROWS * E
 
 static int filled(int inputs) { return (inputs + EDML_CHUNK - 1) / EDML_CHUNK * EDML_CHUNK; }
 
-/* Where in the memory of integers a weight is: layers.h. */
-static int place_of(int row, int input, int inputs)
-{
-    const int of_block = (row / 8 * inputs + input / 8 * 8) * 8;
-#ifdef EDML_BLOCKS_BY_ROW
-    return of_block + row % 8 * 8 + input % 8;
-#else
-    return of_block + input % 8 * 8 + row % 8;
-#endif
-}
+/* Where a weight of 16 bits is. */
+static int place_of(int row, int input, int inputs) { return edml__place(row, input, inputs, 2); }
 
 /* Layer n of a quantised model; one of 8 bits gets weights of 16 from the caller. */
 static edml_dense_w16 wide_layer(const edml_model *model, int n, int16_t wide[WIDE * WIDE])
 {
     if (is_w16(model)) return ((const edml_dense_w16 *)model->layers)[n];
     const edml_dense_w8 *narrow = &((const edml_dense_w8 *)model->layers)[n];
-    for (int k = 0; k < full_groups(narrow->outputs) * narrow->inputs; k++) wide[k] = narrow->weight[k];
+    for (int row = 0; row < full_groups(narrow->outputs); row++)
+        for (int k = 0; k < narrow->inputs; k++)
+            wide[place_of(row, k, narrow->inputs)] = narrow->weight[edml__place(row, k, narrow->inputs, 1)];
     const edml_dense_w16 layer = {narrow->inputs,     narrow->outputs, wide,         narrow->bias,
                                   narrow->multiplier, narrow->shift,   narrow->clamp};
     return layer;

@@ -26,6 +26,7 @@ from export.quantise import (
 )
 from export.rounding import compensated, to_text
 from export.settings import ModelSettings
+from export.unit_order import orders_of
 from model import constants
 from training.recipe import Recipe
 from training.views import Views, draw_2d, pick_poses
@@ -119,6 +120,7 @@ def calibrate(
         "views": len(inputs),
         "largest": [round(plan.largest(x), 4) for x in values[1:]],
         "mean": [plan.mean(k, x).round(4).tolist() for k, x in enumerate(values)],
+        "order": orders_of(layers, values),
     }
     if parts is not None:
         calibration["steps"] = {"w8": rounding_steps(layers, calibration, values, plan, parts)}

@@ -197,8 +197,9 @@ def array_text(
     rows = [comma.join(map(text, row)) + comma[:-1] for row in values.reshape(-1, GROUP).tolist()]
     if block is not None:
         count = block // GROUP
+        macro = "EDML_BYTES_BLOCK" if values.dtype.itemsize == 1 else "EDML_BLOCK"
         for at in range(0, len(rows), count):
-            rows[at] = f"EDML_BLOCK({rows[at]}"
+            rows[at] = f"{macro}({rows[at]}"
             rows[at + count - 1] = f"{rows[at + count - 1][:-1]}),"
     body = "".join(f"    {row}\n" for row in rows)
     return f"{before}static const {kind} {name}[{size}] = {{\n{body}}};\n{after}"

@@ -14,6 +14,7 @@ import numpy as np
 
 from export.layers import ExportError, Layer
 from export.rounding import from_text
+from export.unit_order import in_order
 from model.constants import ACTIVATION, INPUT_SHIFT, OUTPUT_SHIFT
 
 WEIGHT_TYPES = {"w16": np.int16, "w8": np.int8}
@@ -111,7 +112,7 @@ def quantise(
         scale = largest_scales(rows._replace(steps=0), np.iinfo(kind).max)
         dense.append(quantise_layer(rows, scale, kind))
         prove(dense[k], k, rows.reach, rows.word)
-    return dense
+    return in_order(dense, calibration)
 
 
 def rows_of(layers: Sequence[Layer], calibration: Mapping[str, Any], plan: Plan) -> list["Rows"]:
