@@ -37,16 +37,12 @@ static EDML_NOINLINE real reflect_onto_first(real *x, int m)
 /* product = A w, [m]; a: upper triangle of A, row by row.  Sums are within sqrt(2) times the norm of A. */
 static EDML_NOINLINE void multiply(real *product, const real *a, const real *w, int m)
 {
-    wide sum[ORDER];
-    for (int i = 0; i < m; i++) sum[i] = 0;
     for (int i = 0; i < m; i++) {
-        const real wi = w[i];
-        wide of_row = sum[i] + EXACT(*a++, wi);
-        for (int j = i + 1; j < m; j++) {
-            const real entry = *a++;
-            of_row += EXACT(entry, w[j]);
-            sum[j] += EXACT(entry, wi);
-        }
+        const real *entry = a + i; /* down the column to the diagonal, and then along the row */
+        wide of_row = 0;
+        int j = 0;
+        for (; j < i; entry += m - ++j) of_row += EXACT(*entry, w[j]);
+        for (; j < m; j++) of_row += EXACT(*entry++, w[j]);
         ASSUME(WITHIN(of_row, EXACT(REAL(45.3), REAL(1.0)))); /* |A w| <= sqrt(2) 32 */
         product[i] = FROM_EXACT(of_row);
     }

@@ -28,11 +28,18 @@ static uint32_t hash_values(uint32_t hash, const void *values, int count, size_t
     return hash;
 }
 
-/* Where in its memory a network's weight is that the header has in place n; chunk: 1, or that of blocks. */
-static int place_of(int n, int inputs, int chunk)
+/* Those of eight rows, input by input; chunk: 1, or that of blocks. */
+static uint32_t hash_weights(uint32_t hash, const dense_layer *layer, int row, int chunk)
 {
-    const int group = n / EDML_ROWS / inputs, input = n / EDML_ROWS % inputs, row = n % EDML_ROWS;
-    return chunk == 1 ? n : edml__place(group * EDML_ROWS + row, input, inputs, (int)sizeof(weight));
+    const int inputs = layer->inputs, bytes = (int)sizeof(weight);
+    for (int input = 0; input < inputs; input++) {
+        for (int r = row; r < row + EDML_ROWS; r++) {
+            const int by_input = row * inputs + input * EDML_ROWS + r - row;
+            const int place = chunk == 1 ? by_input : edml__place(r, input, inputs, bytes);
+            hash = hash_value(hash, layer->weight + place, sizeof(weight));
+        }
+    }
+    return hash;
 }
 
 static uint32_t hash_layers(const dense_layer *layer, int count, int chunk)
@@ -40,8 +47,7 @@ static uint32_t hash_layers(const dense_layer *layer, int count, int chunk)
     uint32_t hash = 2166136261U;
     for (int n = 0; n < count; n++, layer++) {
         const int rows = EDML_ROWS * EDML_GROUPS(layer->outputs);
-        for (int k = 0; k < rows * layer->inputs; k++)
-            hash = hash_value(hash, &layer->weight[place_of(k, layer->inputs, chunk)], sizeof *layer->weight);
+        for (int row = 0; row < rows; row += EDML_ROWS) hash = hash_weights(hash, layer, row, chunk);
         hash = hash_values(hash, layer->bias, rows, sizeof *layer->bias);
         HASH_MULTIPLIERS(hash, layer, rows);
     }

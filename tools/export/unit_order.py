@@ -66,7 +66,5 @@ def in_order(network: Sequence[Any], calibration: Mapping[str, Any]) -> list[Any
             multiplier=dense.multiplier[order],
         )
         rows = following.weight.reshape(-1, count, following.weight.shape[1])
-        network[k + 1] = following._replace(
-            weight=rows[:, order].reshape(following.weight.shape)
-        )
+        network[k + 1] = following._replace(weight=rows[:, order].reshape(following.weight.shape))
     return network
