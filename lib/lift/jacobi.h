@@ -42,19 +42,21 @@ static void annihilate(real *a, real *vector, int order, int p, int q)
     ADD_TO(REAL(90.1), *of_p, -MUL(tangent, *entry)); /* entries of the matrix, turned */
     ADD_TO(REAL(90.1), *of_q, MUL(tangent, *entry));
     *entry = 0;
+    real *at_p = a + p, *at_q = a + q; /* down columns p and q to the diagonal, and then along the rows */
     for (int k = 0; k < order; k++) {
-        real *const of_k = row_of(a, order, k);
-        if (k != p && k != q)
-            rotate_pair(k < p ? of_k + p - k : of_p + k - p, k < q ? of_k + q - k : of_q + k - q, cosine, sine);
+        if (k != p && k != q) rotate_pair(at_p, at_q, cosine, sine);
         rotate_pair(vector + p * order + k, vector + q * order + k, cosine, sine);
+        at_p += k < p ? order - 1 - k : 1;
+        at_q += k < q ? order - 1 - k : 1;
     }
 }
 
 static real largest_entry(const real *a, int order)
 {
     real largest = 0;
-    for (int n = 0; n < order * (order + 1) / 2; n++)
-        if (ABS(a[n]) > largest) largest = ABS(a[n]);
+    for (int i = 0; i < order; i++)
+        for (int j = i; j < order; j++, a++)
+            if (ABS(*a) > largest) largest = ABS(*a);
     return largest;
 }
 

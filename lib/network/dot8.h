@@ -13,8 +13,6 @@
 
 #include "eight_sums.h"
 
-#define SLOT(k) (k) /* where unit k is kept */
-
 /* y = b + W x of eight rows; y may be b.  Leaving a zero out changes no bit, as no sum is ever -0: no bias is. */
 static EDML_NOINLINE void dot8(value y[EDML_ROWS], const activation *x, const weight *w, const value *b,
                                int inputs)

@@ -1,4 +1,4 @@
-/* dot8.h where weights lie in blocks by row: by the processor's sum_rows().
+/* dot8.h where weights lie in blocks by row or by pair: by the processor's sum_rows().
  *
  * SPDX-License-Identifier: MIT
  */
@@ -12,15 +12,13 @@
 
 #include SUM_ROWS
 
-/* x is kept as units are, unit k at SLOT(k); inputs: a multiple of CHUNK. */
+/* inputs: a multiple of CHUNK. */
 static void dot8(value y[EDML_ROWS], const activation *x, const weight *w, const value *b, int inputs)
 {
     const layer_inputs in = {x, inputs, 0, inputs, NULL};
-    for (int row = 0; row < EDML_ROWS; row += ROWS) {
-        value sum[2][ROWS];
-        sum_rows(sum, &in, w + row * EDML_CHUNK, b + row, ROWS);
-        for (int k = 0; k < ROWS; k++) y[row + k] = sum[0][k];
-    }
+    value sum[2][EDML_ROWS];
+    sum_rows(sum, &in, w, b, EDML_ROWS);
+    for (int row = 0; row < EDML_ROWS; row++) y[row] = sum[0][row];
 }
 
 #endif

@@ -12,8 +12,6 @@
 
 #include "weights.h"
 
-#define SLOT(k) (k)
-
 /* clang-format off */
 #define ADD_INPUT                       \
     "    ldr    r3, [r1], #4\n"         \

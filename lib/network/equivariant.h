@@ -28,7 +28,7 @@
 static void sum_parts(value sum[2][ROWS], const layer_inputs *in, const dense_layer *layer, int row,
                       int rows)
 {
-    sum_rows(sum, in, WEIGHTS_OF(layer, row), layer->bias + row, rows);
+    sum_rows(sum, in, layer->weight + row * layer->inputs, layer->bias + row, rows);
 }
 
 static void activate_layer(activation *y, const layer_inputs *in, const dense_layer *layer, int count)
@@ -41,11 +41,11 @@ static void activate_layer(activation *y, const layer_inputs *in, const dense_la
     }
 }
 
-/* Inputs at their slots, those that fill up zero. */
+/* Inputs, and zero for those that fill up. */
 static int read_inputs(activation *x, const value *in, int count)
 {
     const int filled = (count + CHUNK - 1) / CHUNK * CHUNK;
-    for (int k = 0; k < filled; k++) x[SLOT(k)] = k < count ? (activation)signed_input(in[k]) : 0;
+    for (int k = 0; k < filled; k++) x[k] = k < count ? (activation)signed_input(in[k]) : 0;
     return filled;
 }
 

@@ -12,7 +12,7 @@
 static int sum_all(value sum[2][ROWS], const layer_inputs *in, const dense_layer *layer, int row)
 {
     const int rows = rows_from(row, EDML_ROWS * EDML_GROUPS(layer->outputs));
-    sum_rows(sum, in, WEIGHTS_OF(layer, row), layer->bias + row, rows);
+    sum_rows(sum, in, layer->weight + row * layer->inputs, layer->bias + row, rows);
     return rows;
 }
 
@@ -22,7 +22,7 @@ static void dense_units(activation *y, const layer_inputs *in, const dense_layer
         value sum[2][ROWS];
         const int rows = sum_all(sum, in, layer, row);
         for (int k = 0; k < rows; k++)
-            y[row + SLOT(k)] = (activation)activate(sum[0][k], layer, row + k, EDML_UNIT_BITS);
+            y[row + k] = (activation)activate(sum[0][k], layer, row + k, EDML_UNIT_BITS);
     }
 }
 
@@ -34,12 +34,12 @@ EDML_INTERNAL void WEIGHTS(edml__fconn)(value *out, const value *in, const edml_
     uint8_t own_list[OWN_LIST ? LISTED : 1];
     if (model->layer_count % 2 == 0) swap_units(&x, &y);
     for (int k = 0; k < layer->inputs; k++)
-        x[SLOT(k)] = k < EDML_PAIRS ? (activation)network_input(in[k]) : 0;
+        x[k] = k < EDML_PAIRS ? (activation)network_input(in[k]) : 0;
     for (int n = 1; n < model->layer_count; n++, layer++) {
         const layer_inputs read = take_inputs(x, layer->inputs, layer,
                                               OWN_LIST ? own_list : (uint8_t *)out);
         dense_units(y, &read, layer);
-        for (int k = layer->outputs; k < layer[1].inputs; k++) y[SLOT(k)] = 0; /* what is filled up */
+        for (int k = layer->outputs; k < layer[1].inputs; k++) y[k] = 0; /* what is filled up */
         swap_units(&x, &y);
     }
     const layer_inputs read = take_inputs(x, layer->inputs, layer, OWN_LIST ? own_list : (uint8_t *)y);

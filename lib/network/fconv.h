@@ -64,7 +64,7 @@ static void sum_copied(value *sum, const convolution *c, int y, int x)
     for (int n = 0; n < c->layer->inputs; n++) {
         const int v = y - TAPS / 2 + n / TAPS, u = x - TAPS / 2 + n % TAPS;
         const int inside = n < TAPS * TAPS && v >= 0 && v < SIDE && u >= 0 && u < SIDE;
-        c->copy[SLOT(n)] = inside ? c->in[v * SIDE + u] : 0;
+        c->copy[n] = inside ? c->in[v * SIDE + u] : 0;
     }
     for (int row = 0; row < c->layer->outputs; row += EDML_ROWS)
         dot8(sum + row, c->copy, c->layer->weight + row * c->layer->inputs, c->layer->bias + row,
@@ -109,7 +109,7 @@ static void fconv_pixel(activation *out, const convolution *c, int y, int x, val
         }
     }
     for (int k = 0; k < outputs; k++)
-        out[SLOT(k)] = (activation)activate(largest[k], c->layer, k, EDML_UNIT_BITS);
+        out[k] = (activation)activate(largest[k], c->layer, k, EDML_UNIT_BITS);
 }
 
 static void fill_map(activation *out, int side, const convolution *c, value sum[2][FCONV_CHANNELS])

@@ -9,7 +9,7 @@
 
 /* rows_dsp.h and rows_mve.h read the first three members. */
 typedef struct {
-    const activation *x; /* [even + odd], as a layer's units are kept: unit k at SLOT(k) */
+    const activation *x; /* [even + odd] */
     int even, odd;       /* multiples of CHUNK, but where zeros are left out */
     int inputs;          /* of the layer, left out or not */
     const uint8_t *list; /* where the others were, if zeros are left out */

@@ -2,7 +2,7 @@
  *
  *   sum   [0] bias and even inputs; [1] odd inputs
  *   in    in->even > 0, but where zeros are left out; if in->odd is 0, sum[1] means nothing
- *   w     WEIGHTS_OF(layer, row), of which `row` is the first
+ *   w     the layer's, from the first of these rows on
  *   rows  ROWS, or what is left of the layer, a multiple of EDML_ROWS
  *
  * SPDX-License-Identifier: MIT

@@ -9,7 +9,6 @@
 #include "dot8.h"
 
 enum { ROWS = EDML_ROWS };
-#define WEIGHTS_OF(layer, row) ((layer)->weight + (row) * (layer)->inputs)
 
 static void sum_rows(value sum[2][ROWS], const layer_inputs *in, const weight *w, const value *bias,
                      int rows)

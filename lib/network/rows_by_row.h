@@ -9,8 +9,6 @@
 #include "rows_all_inputs.h"
 
 enum { ROWS = EDML_ROWS };
-#define SLOT(k) (k)
-#define WEIGHTS_OF(layer, row) ((layer)->weight + (row) * (layer)->inputs)
 
 static void add_blocks(value sum[ROWS], const activation *x, const weight *w, int inputs)
 {

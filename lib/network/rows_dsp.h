@@ -13,8 +13,6 @@
 #include "rows_all_inputs.h"
 
 enum { ROWS = EDML_ROWS };
-#define SLOT(k) (k)
-#define WEIGHTS_OF(layer, row) ((layer)->weight + (row) * (layer)->inputs)
 
 /* clang-format off */
 #ifdef EDML_BYTES

@@ -44,8 +44,6 @@ typedef __m128i vector;
 #include "rows_all_inputs.h"
 
 enum { ROWS = EDML_ROWS };
-#define SLOT(k) (k)
-#define WEIGHTS_OF(layer, row) ((layer)->weight + (row) * (layer)->inputs)
 
 /* Twice, first of rows 0 and 2 and of rows 1 and 3: the sums of the lanes of four rows. */
 static EDML_INLINE vector fold(vector a, vector b) { return ADD(LOW(a, b), HIGH(a, b)); }

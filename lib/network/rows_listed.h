@@ -10,8 +10,6 @@
 #include "rows_some_inputs.h"
 
 enum { ROWS = EDML_ROWS };
-#define SLOT(k) (k)
-#define WEIGHTS_OF(layer, row) ((layer)->weight + (row) * (layer)->inputs)
 
 static EDML_NOINLINE void add_listed(value y[EDML_ROWS], const activation *x, const uint8_t *list,
                                      const weight *weights, const value *b, int count)

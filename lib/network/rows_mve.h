@@ -12,8 +12,6 @@
 #include "rows_all_inputs.h"
 
 enum { ROWS = EDML_ROWS };
-#define SLOT(k) (k)
-#define WEIGHTS_OF(layer, row) ((layer)->weight + (row) * (layer)->inputs)
 
 #ifdef EDML_BYTES
 #define ADD_ROW(sum, q) "vldrb.s16 " q ", [r3], #8\n vmladava.s16 " sum ", q0, " q "\n"

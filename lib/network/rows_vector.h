@@ -10,8 +10,6 @@
 #include "rows_some_inputs.h"
 
 enum { ROWS = 4 * EDML_ROWS };
-#define SLOT(k) (k)
-#define WEIGHTS_OF(layer, row) ((layer)->weight + (row) * (layer)->inputs)
 
 enum { LANES = __BIGGEST_ALIGNMENT__ < 32 ? 4 : 8 };
 typedef float lanes __attribute__((vector_size(4 * LANES), aligned(4), may_alias));

@@ -15,7 +15,6 @@
 #include "dot8.h"
 
 enum { ROWS = 2 * EDML_ROWS };
-#define WEIGHTS_OF(layer, row) ((layer)->weight + (row) * (layer)->inputs)
 
 /* clang-format off */
 #define ADD_TO_GROUP(w, s0, s1, s2, s3, s4, s5, s6, s7) \

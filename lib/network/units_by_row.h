@@ -18,8 +18,8 @@ static EDML_NOINLINE void activate_rows(activation *y, value sum[2][ROWS], const
         const value even = sum[0][k], odd = sum[1][k];
         const value unit = activate(even + odd, layer, row + k, EDML_PAIRED_BITS);
         const value mirror_unit = activate(even - odd, layer, row + k, EDML_PAIRED_BITS);
-        y[SLOT(k)] = (activation)(unit + mirror_unit);
-        y[count + SLOT(k)] = (activation)(unit - mirror_unit);
+        y[k] = (activation)(unit + mirror_unit);
+        y[count + k] = (activation)(unit - mirror_unit);
     }
 }
 

@@ -69,9 +69,9 @@ void run_network(const edml_model *model, void *values)
 {
     static edml_fconv_work work;
     if (model->predict_f32 != NULL)
-        model->predict_f32(values, values, model, &work.lift.scratch);
+        model->predict_f32(values, values, model, &work.lift.of.network.units);
     else
-        model->predict_q(values, values, model, &work.lift.scratch);
+        model->predict_q(values, values, model, &work.lift.of.network.units);
 }
 """
 VALUES = 196  # what a network reads and gives at most

@@ -41,9 +41,10 @@ NOTHING = -1e6  # a gate that leaves the image alone
 @dataclasses.dataclass(frozen=True)
 class Part(Recipe):
     """A recipe of an equivariant network; "frame", "mask", "gates", "image" or "mds" is what
-    it goes without."""
+    it goes without.  `alone` is the column whose views it sees, if it sees no others."""
 
     without: str = ""
+    alone: str = ""
 
 
 def part(kind: str, **changes: Any) -> Part:
@@ -54,6 +55,13 @@ def part(kind: str, **changes: Any) -> Part:
 paper = functools.partial(dataclasses.replace, RECIPES["paper"])
 detector = {"detector": 1.0, "least": 1.0}  # as noisy as the column cpm, always
 unshaped = {"direction_weight": 0.0, "flexion_weight": 0.0, "straight_weight": 0.0}
+
+
+def alone(column: str, **noise: float) -> Part:
+    """The recipe of `direct` with the views of a column and no others."""
+    others = {"near": 0.0, "up": 0.0, "adapted": 0.0, "redefined": 0.0, "least": 1.0}
+    return part("direct", alone=column, masks=False, **others, **noise)
+
 
 # Each row of FConn changes the one above it; those of ours, the first of them.
 ABLATIONS: dict[str, Recipe] = {
@@ -81,6 +89,9 @@ ABLATIONS: dict[str, Recipe] = {
     "direct: error aligned alone": part("direct", rigid=1.0),
     "direct: error in camera axes alone": part("direct", rigid=0.0),
     "direct: no directions, no flexions": part("direct", **unshaped),
+    "direct: for the column gt alone": alone("gt", iid=1.0, noise=0.0),
+    "direct: for the column n10 alone": alone("n10", iid=1.0, noise=10.0),
+    "direct: for the column cpm alone": alone("cpm", iid=0.0, detector=1.0),
 }
 
 
@@ -129,6 +140,8 @@ def entry(run: Run) -> dict[str, Any]:
         row = {name: value for name, value in row.items() if not name.endswith("_camera")}
     if not run.recipe.up:  # it cannot be told
         row = {name: value for name, value in row.items() if " gt_up" not in name}
+    if isinstance(run.recipe, Part) and run.recipe.alone:
+        row = {n: value for n, value in row.items() if f" {run.recipe.alone}" in n}
     return {
         "recipe": {"seed": run.seed} | dataclasses.asdict(run.recipe),
         "data": origin(run.motions, HELD_OUT),

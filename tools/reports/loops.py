@@ -26,8 +26,8 @@ COUNTS = {
 }
 # Whose limit no `for` has: the text of the loop, by file, and how often its body is run.
 LIMITS = {
-    "mds.h: } while (*sweeps < most && ABS(band[1]) > SPLIT);": 4,  # most_sweeps
-    "mds.h: for (int n = sweeps[k]; n > 0; n--)": 4,
+    "mds.h: } while (*sweeps < most && ABS(band[1]) > SPLIT);": 2,  # most_sweeps
+    "mds.h: for (int n = sweeps[k]; n > 0; n--)": 2,
     "jacobi.h: for (; best > k; best--)": ORDER - 1,
     "image_box.h: while (j < EDML_JOINTS - 1 && !is_seen(seen, j)) j++;": JOINTS - 1,
     "image_box.h: for (j++; j < EDML_JOINTS; j++) {": JOINTS - 1,
@@ -49,14 +49,6 @@ COPIES = re.compile(r"(__aeabi_memcpy|memcpy|memset): \d")
 # Functions of the compiler's that are entered in the middle of their loops: each instruction is run
 # so often at most.  A division makes eight bits a turn.
 LEAVES = {"__divsi3": 4, "__udivsi3": 4, "__aeabi_idiv": 4, "__aeabi_uidiv": 4}
-# Loops that go on together: so often at most for each turn of the loop that they are in.
-SIBLINGS = [
-    (
-        ["jacobi.h: for (int k = 0; k < p; k++)", "jacobi.h: for (int k = p + 1; k < q; k++)",
-         "jacobi.h: for (int k = q + 1; k < order; k++)"],
-        ORDER - 2, "jacobi.h: for (int q = p + 1; q < order; q++) {",
-    ),
-]  # fmt: skip
 FOR = re.compile(
     r"for \((?:int )?(?P<i>\w+) = (?P<start>[^;,]+)(?:, [^;]*)?; (?P=i) (?P<is><|>=) "
     r"(?P<end>[^;&]+?)(?: && [^;]*)?; (?:(?P=i)(?:\+\+|--)|(?P=i) \+= (?P<step>\d+))"
@@ -184,10 +176,8 @@ def kernel_totals(model: Model, preset: str) -> list[tuple[dict[str, int], int]]
     groups = sum(model.groups)
     if model.is_float and preset in ("cortex-m4f", "cortex-m55"):
         return vfp_totals(model)
-    if not model.is_float and preset == "cortex-m4f":  # rows_dsp.h: parts, and pairs of blocks
-        pairs = 2 * model.reads // 16  # of blocks: of four rows, and eight inputs of these
-        return [(rows, 2 * groups), ({"sum_rows: 0": 1}, 4 * groups), ({"sum_rows: 1": 1}, pairs)]
-    if not model.is_float and preset == "cortex-m55":  # rows_mve.h: parts, and blocks of eight rows
+    if not model.is_float and preset in ("cortex-m4f", "cortex-m55"):
+        # rows_dsp.h and rows_mve.h: parts, and blocks of eight rows
         return [
             (rows, groups),
             ({"sum_rows: 0": 1}, 2 * groups),
@@ -234,9 +224,7 @@ def mds_totals() -> list[tuple[dict[str, int], int]]:
     square, minors = sum(m * m for m in orders), 3 * CONSTANTS["MOST_STEPS"] * (ORDER - 1)
     normalised = sum(orders) + 2 * (13 + 12 + 11) + 2 * 3 * minors + 2 * 3 * 12 + 3 * 3 * 24
     return [
-        ({"mds.h: } while (*sweeps < most": 1}, 8),
-        ({"mds.h: for (int n = sweeps[k]; n > 0; n--)": 1}, 8),
-        ({"householder.h: for (int j = i + 1; j < m; j++)": 1}, (square - sum(orders)) // 2),
+        ({"householder.h: for (; j < i;": 1, "householder.h: for (; j < m;": 1}, square),
         ({"householder.h: for (int j = i; j < m; j++": 1}, (square + sum(orders)) // 2),
         # bands, vectors, minors and their derivatives
         ({"real_q24.h: for (int i = 0; i < n; i++) bits": 1}, normalised),

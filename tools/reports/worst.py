@@ -30,7 +30,7 @@ from scipy.sparse import coo_array
 from reports import markdown
 from reports.command import Disagreement, Table, run_report
 from reports.flow import CALL, JUMP, MAYBE, Block, Function, Instruction, Loop, Program, reachable
-from reports.loops import COPIES, LEAVES, SIBLINGS, Facts, facts_of, usual_facts
+from reports.loops import COPIES, LEAVES, Facts, facts_of, usual_facts
 from reports.size import BENCH, COSTS, LEVEL, SLACK, options_of, parse
 from reports.stack import THROUGH_POINTERS
 from reports.targets import SMALL_SOURCES, TARGETS, ToolError, build, compile_library, count
@@ -220,14 +220,6 @@ class Flow:
                 at_end = ends_at_its_end(function, inner, names)
                 bodies = add(back, entries, 1.0) if at_end else back
                 self.most.append((add(bodies, outer_entries, -float(sums[0])), 0.0))
-        for texts, limit, other in SIBLINGS:
-            for outer, others, outer_back, _ in known:
-                row = {
-                    edge: 1.0 for inner, names, back, _ in known for edge in back
-                    if inner.body < outer.body and names[0].startswith(tuple(texts))
-                }  # fmt: skip
-                if row and others == [other]:
-                    self.most.append((add(row, outer_back, -float(limit)), 0.0))
 
     def add_facts(self) -> None:
         for weights, limit in self.facts.totals:

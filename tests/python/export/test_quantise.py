@@ -313,7 +313,7 @@ int main(void)
     int32_t x[EDML_PAIRS], y[EDML_MAX_UNITS];
     if (edml_model_check(model) != EDML_OK) return 1;
     while (fread(x, sizeof x, 1, stdin) == 1) {
-        model->predict_q(y, x, model, &work.scratch);
+        model->predict_q(y, x, model, &work.of.network.units);
         if (fwrite(y, sizeof x, 1, stdout) != 1) return 1;
     }
     return 0;
