@@ -16,7 +16,7 @@
 static void dot8(value y[EDML_ROWS], const activation *x, const weight *w, const value *b, int inputs)
 {
     const layer_inputs in = {x, inputs, 0, inputs, NULL};
-    value sum[2][EDML_ROWS];
+    value sum[2][ROWS];
     sum_rows(sum, &in, w, b, EDML_ROWS);
     for (int row = 0; row < EDML_ROWS; row++) y[row] = sum[0][row];
 }

@@ -11,6 +11,11 @@
 
 enum { ROWS = EDML_ROWS };
 
+#ifdef ADD_LISTED /* the processor's own */
+#include ADD_LISTED
+#else
+
+/* y = b + W x of eight rows and `count` inputs; list: where in the weights each of these is. */
 static EDML_NOINLINE void add_listed(value y[EDML_ROWS], const activation *x, const uint8_t *list,
                                      const weight *weights, const value *b, int count)
 {
@@ -22,6 +27,7 @@ static EDML_NOINLINE void add_listed(value y[EDML_ROWS], const activation *x, co
     }
     STORE_EIGHT(y);
 }
+#endif
 
 static void sum_rows(value sum[2][ROWS], const layer_inputs *in, const weight *w, const value *bias,
                      int rows)

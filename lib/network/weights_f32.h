@@ -16,6 +16,7 @@
  *   signed_output()    what a row's sum becomes without a ReLU
  *   mean_output()      the mean of two sums of the last layer, behind the ReLU
  *   DOT8               the header that has dot8(), where the processor has its own
+ *   ADD_LISTED         the header that has add_listed() of rows_listed.h, where the processor has its own
  *   SKIPS_ZEROS        is it worth while to compare each input with zero, as half of them are?
  *
  * SPDX-License-Identifier: MIT

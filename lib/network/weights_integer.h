@@ -72,6 +72,10 @@ enum { CHUNK = EDML_CHUNK, OWN_LIST = 0 };
 #define SUM_ROWS "rows_by_row.h"
 #endif
 
+#if defined(__ARM_ARCH_6M__) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
+#define ADD_LISTED "rows_listed_v6m.h"
+#endif
+
 #ifndef UNITS
 #define UNITS "units_by_row.h"
 #endif

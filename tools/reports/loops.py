@@ -183,6 +183,8 @@ def kernel_totals(model: Model, preset: str) -> list[tuple[dict[str, int], int]]
             ({"sum_rows: 0": 1}, 2 * groups),
             ({"sum_rows: 1": 1}, model.reads // 8),
         ]
+    if not model.is_float and preset == "cortex-m0plus":  # rows_listed_v6m.h
+        return [(rows, groups), ({"add_listed: 0": 1}, model.reads)]
     return [
         (rows, groups),
         ({"dot8.h: for (const activation *const end = x + inputs;": 1}, model.reads),
