@@ -18,7 +18,7 @@ typedef struct {
 } edml_camera;
 
 /* edml_lift() by a camera that is known: as if it looked at the person.  Without it a person at the edge of a
- * wide picture is turned, by as much as they are off the camera's axis.  At most 1.2 KB of stack.
+ * wide picture is turned, by as much as they are off the camera's axis.  At most 1.1 KB of stack.
  *   EDML_ERR_CAMERA  also: not a camera; a joint more than 63 degrees off the camera's axis or 60 degrees off
  *                    the person */
 edml_status edml_lift_with_camera(edml_pose *pose, const edml_keypoint in[EDML_JOINTS],
@@ -42,7 +42,7 @@ typedef struct {
  *         thousandth of the sum of all
  *   work  as for edml_lift(), and may be the same: an edml_work or larger
  * The distance is wrong by the factor by which the person's size is, because one image shows no more.  At
- * most 2.2 KB of stack.  About 1 flat pose in 10,000 is given the wrong one of two rotations.
+ * most 2.0 KB of stack.  About 1 flat pose in 10,000 is given the wrong one of two rotations.
  * Besides EDML_ERR_ARGUMENT and EDML_ERR_WORK_TOO_SMALL:
  *   EDML_ERR_NOT_FINITE      a keypoint is not finite, or a joint is not within 4 m
  *   EDML_ERR_TOO_FEW_JOINTS  fewer than 7 joints seen
@@ -58,7 +58,7 @@ edml_status edml_place(edml_placement *placement, const edml_pose *pose,
  * 12 focal lengths from 0.5 to 4 times the image's height it takes the one of least reprojection error
  * (section 4).  People some metres away look nearly the same through all of them: distance and focal length
  * are found together, and badly; only their ratio is found well.  Calibrate where distance matters.  At most
- * 2.5 KB of stack.
+ * 2.3 KB of stack.
  *   camera         the one that was chosen
  *   width, height  of the image, pixels, > 0; else EDML_ERR_CAMERA */
 edml_status edml_place_sweep(edml_placement *placement, edml_camera *camera, const edml_pose *pose,
@@ -102,7 +102,7 @@ typedef struct {
 edml_status edml_focal_start(edml_focal *focal, float width, float height);
 
 /* Adds what a pose tells of the focal length: the reprojection error with each one, compared with the least, in
- * proportion to the person's size in the image.  Costs 12 placements, and at most 2.6 KB of stack.
+ * proportion to the person's size in the image.  Costs 12 placements, and at most 2.4 KB of stack.
  *   pose, in, work  as for edml_place(); so is the status, if no focal length gives a placement
  *   EDML_ERR_CAMERA  also: edml_focal_start() was not called */
 edml_status edml_focal_add(edml_focal *focal, const edml_pose *pose, const edml_keypoint in[EDML_JOINTS],

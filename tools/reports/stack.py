@@ -134,12 +134,13 @@ def count_registers(operands: str) -> int:
 
 def read_machine_code(text: str) -> Graph:
     """The functions of a disassembly: all that a function pushes anywhere counts, and each branch
-    that leaves it is a call."""
-    graph: Graph = {}
+    that leaves it is a call.  Of several with one name the largest frame counts."""
+    named: dict[str, list[Function]] = {}
     function = Function(0)
     for line in text.splitlines():
         if start := re.fullmatch(r"[0-9a-f]+ <([^>]+)>:", line):
-            function = graph.setdefault(start[1], Function(0))
+            function = Function(0)
+            named.setdefault(start[1], []).append(function)
             continue
         cells = line.split("\t")
         if len(cells) < 3 or cells[2].startswith("."):
@@ -148,9 +149,10 @@ def read_machine_code(text: str) -> Graph:
         function.frame += bytes_pushed(instruction)
         if to := BRANCH.fullmatch(instruction.partition("@")[0].strip()):
             function.calls.add(to[1])
-    for name, function in graph.items():
-        function.calls.discard(name)
-    return graph
+    return {
+        name: Function(max(f.frame for f in them), set().union(*(f.calls for f in them)) - {name})
+        for name, them in named.items()
+    }
 
 
 def add_aliases(graph: Graph, symbols: str) -> None:
@@ -190,10 +192,10 @@ def read_graph(target: Target, folder: Path) -> Graph:
     )  # fmt: skip
     machine = read_machine_code(run(f"{target.system.cross}objdump", "-d", image))
     add_aliases(machine, run(f"{target.system.cross}nm", image))
-    for name, function in machine.items():
-        known = graph.setdefault(name, function)
-        if known.frame == 0:  # a naked function's, which the compiler does not know
-            known.frame = function.frame
+    for name, function in graph.items():
+        if function.frame == 0 and (code := machine.get(simple_name(name))):
+            function.frame = code.frame  # a naked function's, which the compiler does not know
+    graph = machine | graph
     for name in {call for function in graph.values() for call in function.calls} - graph.keys():
         if simple_name(name) in machine:  # the compiler folded it into an equal function
             graph[name] = machine[simple_name(name)]

@@ -148,3 +148,9 @@ def test_machine_code_with_two_names():
     assert graph == {"one": Function(8, {"other"}), "other": Function(0)}
     stack.add_aliases(graph, "00000010 T one\n00000010 T first\n         U no\n")
     assert graph["first"] is graph["one"]
+
+
+def test_of_static_functions_with_one_name_the_largest_frame_counts():
+    text = "00000010 <one>:\n  10:\tb510\tpush\t{r4, lr}\n  12:\tf000\tbl\t40 <other>\n" \
+           "00000040 <one>:\n  40:\tb5f0\tpush\t{r4, r5, r6, r7, lr}\n"  # fmt: skip
+    assert stack.read_machine_code(text) == {"one": Function(20, {"other"})}
