@@ -96,7 +96,8 @@ def parsed(text: str) -> dict[str, tuple[str, list[int]]]:
     pattern = r"static const (\w+_t)(?: EDML_ALIGN4)? (\w+)\[([\d *]+)\] = \{(.*?)\};"
     arrays = {}
     for kind, name, size, body in re.findall(pattern, text, re.DOTALL):
-        values = [int(word) for word in re.sub(r"EDML_(BYTES_)?BLOCK\(|\)|\s", "", body).split(",") if word]
+        words = re.sub(r"EDML_(BYTES_)?BLOCK\(|\)|\s", "", body).split(",")
+        values = [int(word) for word in words if word]
         assert len(values) == np.prod([int(n) for n in size.split("*")])
         arrays[name] = kind, values
     return arrays
