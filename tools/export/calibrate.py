@@ -122,7 +122,7 @@ def calibrate(
         "mean": [plan.mean(k, x).round(4).tolist() for k, x in enumerate(values)],
         "order": orders_of(layers, values),
     }
-    if parts is not None:
+    if parts is not None and all(x.ndim == 2 for x in values):  # of maps: to the nearest
         calibration["steps"] = {"w8": rounding_steps(layers, calibration, values, plan, parts)}
     errors = {}
     for form in WEIGHT_TYPES:

@@ -13,7 +13,7 @@ from support import ROOT, build_model, load_network
 from export import cli, fconv, quantise
 from export.calibrate import activations, calibrate
 from export.cli import main
-from export.kinds import read_network
+from export.kinds import FCONV, read_network
 from export.layers import ExportError, Layer, digest
 from export.quantise import METRE
 from model import reference
@@ -76,7 +76,7 @@ def save(folder: Path, arrays: dict[str, np.ndarray], edms: np.ndarray | None = 
     manifest = dict(MANIFEST)
     if edms is not None:
         layers = fconv.layers_of(arrays)
-        manifest["calibration"] = calibrate(layers, edms, fconv.PLAN)
+        manifest["calibration"] = calibrate(layers, edms, fconv.PLAN, FCONV.parts)
     (folder / "net.json").write_text(json.dumps(manifest))
     return folder
 
