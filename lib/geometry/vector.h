@@ -31,14 +31,14 @@ static inline point midpoint(point a, point b)
     return half;
 }
 
-static inline void add_multiple(point *sum, real scale, point a)
+static EDML_INLINE void add_multiple(point *sum, real scale, point a)
 {
     sum->x += MUL(scale, a.x);
     sum->y += MUL(scale, a.y);
     sum->z += MUL(scale, a.z);
 }
 
-static inline real dot(point a, point b) { return MUL(a.x, b.x) + MUL(a.y, b.y) + MUL(a.z, b.z); }
+static EDML_INLINE real dot(point a, point b) { return MUL(a.x, b.x) + MUL(a.y, b.y) + MUL(a.z, b.z); }
 
 static inline real norm(point a) { return NORM(a.x, a.y, a.z); }
 

@@ -47,10 +47,10 @@ void edml_align(point x[EDML_JOINTS], const point onto[EDML_JOINTS], const edml_
     const real signed_share = reflected ? -share : share;
     if (found) m = nearest_to_unit(&m); /* in the place of the matrix, which saves stack */
     for (int j = 0; j < EDML_JOINTS; j++) {
-        const point turned = found ? rotate(&m, x[j]) : onto[j];
-        x[j] = onto[j];
-        add_multiple(&x[j], signed_share, turned);
-        add_multiple(&x[j], -share, onto[j]);
+        const point to = onto[j], turned = found ? rotate(&m, x[j]) : to;
+        x[j].x = to.x + MUL(signed_share, turned.x) - MUL(share, to.x);
+        x[j].y = to.y + MUL(signed_share, turned.y) - MUL(share, to.y);
+        x[j].z = to.z + MUL(signed_share, turned.z) - MUL(share, to.z);
     }
 }
 

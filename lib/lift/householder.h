@@ -102,7 +102,9 @@ static EDML_NOINLINE void reflect_points(point *y, const real *w, int m)
            WITHIN(z_along, EXACT(REAL(8.1), REAL(1.0))));
     const point along = {FROM_EXACT(x_along), FROM_EXACT(y_along), FROM_EXACT(z_along)};
     for (int i = 0; i < m; i++) {
-        y[i] = minus(y[i], times(w[i], along));
+        y[i].x -= MUL(w[i], along.x);
+        y[i].y -= MUL(w[i], along.y);
+        y[i].z -= MUL(w[i], along.z);
         ASSUME(ALL_WITHIN(y[i], REAL(5.71))); /* a reflection changes no length */
     }
 }

@@ -8,6 +8,7 @@
 #define EDML_TRIDIAGONAL_H
 
 #include "../geometry/vector.h"
+#include "jacobi.h"
 
 enum { MOST_STEPS = 24 };           /* 2 or 3 are usual */
 #define LAST_STEP REAL(9.765625e-4) /* 2^-10; the error after it is about its cube */
@@ -153,10 +154,10 @@ static EDML_NOINLINE void sweep(edml_plane_rotation *done, real *band, int n, re
 
 static void rotate_points(point *p, point *q, edml_plane_rotation by)
 {
-    const point was = *p;
     ASSUME(WITHIN(by.cosine, REAL(1.001)) && WITHIN(by.sine, REAL(1.001))); /* the record of sweep() */
-    *p = minus(times(by.cosine, was), times(by.sine, *q));
-    *q = plus(times(by.sine, was), times(by.cosine, *q));
+    rotate_pair(&p->x, &q->x, by.cosine, by.sine);
+    rotate_pair(&p->y, &q->y, by.cosine, by.sine);
+    rotate_pair(&p->z, &q->z, by.cosine, by.sine);
     /* a rotation, of coordinates within 5.7 */
     ASSUME(ALL_WITHIN(*p, REAL(5.71)) && ALL_WITHIN(*q, REAL(5.71)));
 }

@@ -7,13 +7,21 @@
 #ifndef EDML_COUNT_ZEROS
 int edml__leading_zeros(uint32_t n)
 {
-    int zeros = 0;
-    for (int step = 16; step > 0; step /= 2) {
-        if (n >> (32 - step) != 0) continue;
-        n <<= step;
-        zeros += step;
+    static const uint8_t zeros_of_four_bits[16] = {4, 3, 2, 2, 1, 1, 1, 1}; /* then none */
+    int zeros = 28;
+    if (n >> 16 != 0) {
+        n >>= 16;
+        zeros -= 16;
     }
-    return zeros;
+    if (n >> 8 != 0) {
+        n >>= 8;
+        zeros -= 8;
+    }
+    if (n >> 4 != 0) {
+        n >>= 4;
+        zeros -= 4;
+    }
+    return zeros + zeros_of_four_bits[n];
 }
 #endif
 

@@ -26,8 +26,8 @@ typedef int64_t wide;
 #define DIV16(a, b) divide_q16(a, b)       /* error <= 2^-17 (1 + a / b^2) */
 #define SQRT(a) sqrt_q24(a)                /* error < 1 unit, not too large */
 #define PER_SECOND(a, ms) per_second_q24(a, ms)
-#define HYPOT(a, b) hypot_q24(a, b, 0)   /* error < 1 unit, not too large; result < 128 */
-#define NORM(a, b, c) hypot_q24(a, b, c) /* the same */
+#define HYPOT(a, b) hypot_q24(a, b)     /* error < 1 unit, not too large; result < 128 */
+#define NORM(a, b, c) norm_q24(a, b, c) /* the same */
 #define ABS(a) ((a) < 0 ? -(a) : (a))
 #define PRODUCT(a, b) product_q40(a, b)
 #define EXACT(a, b) edml__product(a, b)
@@ -82,13 +82,13 @@ static inline real shift_q24(real a, int exponent) /* rounded down */
     return exponent < 0 ? a >> (exponent < -31 ? 31 : -exponent) : a * (INT32_C(1) << exponent);
 }
 
-static inline int normalise_q24(real *x, int n)
+/* Inline, because most callers have one number or two. */
+static EDML_INLINE int normalise_q24(real *x, int n)
 {
     uint32_t bits = 0; /* whose highest is that of the largest */
     for (int i = 0; i < n; i++) bits |= (uint32_t)ABS(x[i]);
     const int exponent = bits == 0 ? 0 : edml__leading_zeros(bits) - 8;
-    if (exponent != 0)
-        for (int i = 0; i < n; i++) x[i] = shift_q24(x[i], exponent);
+    for (int i = 0; i < n; i++) x[i] = exponent < 0 ? x[i] >> -exponent : x[i] * (INT32_C(1) << exponent);
     return exponent;
 }
 
@@ -96,7 +96,9 @@ static inline real sqrt_q24(real a) { return a > 0 ? (real)edml__root((uint64_t)
 
 static inline uint64_t square_q24(real a) { return (uint64_t)edml__product(a, a); } /* <= 2^62 */
 
-static inline real hypot_q24(real a, real b, real c)
+static inline real hypot_q24(real a, real b) { return (real)edml__root(square_q24(a) + square_q24(b)); }
+
+static inline real norm_q24(real a, real b, real c)
 {
     return (real)edml__root(square_q24(a) + square_q24(b) + square_q24(c));
 }
