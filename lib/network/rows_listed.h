@@ -15,16 +15,18 @@ enum { ROWS = EDML_ROWS };
 #include ADD_LISTED
 #else
 
-/* y = b + W x of eight rows and `count` inputs; list: where in the weights each of these is. */
+/* y = b + W x of eight rows; list: where in the weights each x is. */
 static EDML_NOINLINE void add_listed(value y[EDML_ROWS], const activation *x, const uint8_t *list,
-                                     const weight *weights, const value *b, int count)
+                                     const weight *weights, const value *b)
 {
     EIGHT_SUMS(b);
-    for (const activation *const end = x + count; x < end; x++) {
-        const weight *const w = weights + EDML_ROWS * *list++;
-        const activation xi = *x;
+    int i = *list;
+    if (i != LAST_OF_LIST) do { /* asked behind each input: a branch less */
+        const weight *const w = weights + EDML_ROWS * i;
+        const activation xi = *x++;
         ADD_TO_EIGHT(w, xi);
-    }
+        i = *++list;
+    } while (i != LAST_OF_LIST);
     STORE_EIGHT(y);
 }
 #endif
@@ -34,8 +36,8 @@ static void sum_rows(value sum[2][ROWS], const layer_inputs *in, const weight *w
 {
     static const value none[ROWS] = {0};
     (void)rows;
-    add_listed(sum[0], in->x, in->list, w, bias, in->even);
-    add_listed(sum[1], in->x + in->even, in->list + in->even, w, none, in->odd);
+    add_listed(sum[0], in->x, in->list, w, bias);
+    add_listed(sum[1], in->x + in->even, in->list + in->even + 1, w, none);
 }
 
 #endif

@@ -61,7 +61,7 @@
 __attribute__((naked, noinline)) static void add_listed(
     value y[EDML_ROWS] EDML_IN_REGISTER, const activation *x EDML_IN_REGISTER,
     const uint8_t *list EDML_IN_REGISTER, const weight *weights EDML_IN_REGISTER,
-    const value *b EDML_IN_REGISTER, int count EDML_IN_REGISTER)
+    const value *b EDML_IN_REGISTER)
 {
     __asm__("    .syntax unified\n"
             "    push   {r0, r4-r7, lr}\n"
@@ -70,15 +70,11 @@ __attribute__((naked, noinline)) static void add_listed(
             "    mov    r6, r10\n"
             "    mov    r7, r11\n"
             "    push   {r4-r7}\n"
-            "    ldr    r5, [sp, #44]\n" /* count */
-            "    lsls   r5, r5, #1\n"
-            "    adds   r5, r5, r1\n"
-            "    push   {r3, r5}\n" /* [sp] weights, [sp, #4] end of x, [sp, #24] y, [sp, #48] b */
-            "    ldr    r4, [sp, #48]\n"
+            "    push   {r3}\n" /* [sp] weights, [sp, #20] y, [sp, #44] b */
+            "    ldr    r4, [sp, #44]\n"
             LOAD_SUMS
             "    b      2f\n"
-            "1:  ldrb   r4, [r2]\n"
-            "    adds   r2, #1\n"
+            "1:  adds   r2, #1\n"
             "    lsls   r4, r4, #" SHIFT_OF_INPUT "\n"
             "    ldr    r5, [sp]\n"
             "    adds   r4, r4, r5\n"
@@ -86,12 +82,12 @@ __attribute__((naked, noinline)) static void add_listed(
             "    sxth   r0, r0\n"
             "    adds   r1, #2\n"
             ADD_EIGHT
-            "2:  ldr    r5, [sp, #4]\n"
-            "    cmp    r1, r5\n"
+            "2:  ldrb   r4, [r2]\n"
+            "    cmp    r4, #255\n" /* LAST_OF_LIST */
             "    bne    1b\n"
-            "    ldr    r4, [sp, #24]\n"
+            "    ldr    r4, [sp, #20]\n"
             STORE_SUMS
-            "    add    sp, #8\n"
+            "    add    sp, #4\n"
             "    pop    {r4-r7}\n"
             "    mov    r8, r4\n"
             "    mov    r9, r5\n"

@@ -7,23 +7,30 @@
 
 #include "layer_inputs.h"
 
-enum { LISTED = EDML_MAX_UNITS };
+enum { LAST_OF_LIST = 255, LISTED = EDML_MAX_UNITS + 2 };
 
-/* Moves them forward in x, the even ones first, and counts them; list: where each was.  No branch depends on
- * them, so that none is mispredicted. */
-static void list_inputs(layer_inputs *in, activation *x, uint8_t list[LISTED])
+/* Moves those of x from `from` to before `to` forward, and lists where they were; returns how many there are.  No branch
+ * depends on them, so that none is mispredicted. */
+static int list_part(activation *kept, uint8_t *list, const activation *x, int from, int to)
 {
-    const int evens = in->even;
     int count = 0;
-    in->even = 0;
-    for (int i = 0; i < in->inputs; i++) {
+    for (int i = from; i < to; i++) {
         const activation xi = x[i];
         list[count] = (uint8_t)i;
-        x[count] = xi;
+        kept[count] = xi;
         count += xi != 0;
-        if (i < evens) in->even = count;
     }
-    in->odd = count - in->even;
+    list[count] = LAST_OF_LIST;
+    return count;
+}
+
+/* Moves them forward in x, the even ones first, and counts them; list: where each was, and LAST_OF_LIST behind the
+ * even ones and behind the odd ones. */
+static void list_inputs(layer_inputs *in, activation *x, uint8_t list[LISTED])
+{
+    const int even = list_part(x, list, x, 0, in->even);
+    in->odd = list_part(x + even, list + even + 1, x, in->even, in->inputs);
+    in->even = even;
     in->list = list;
 }
 

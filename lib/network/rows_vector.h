@@ -54,7 +54,7 @@ static void sum_rows(value sum[2][ROWS], const layer_inputs *in, const weight *w
         sum[1][k] = 0;
     }
     add_part(sum[0], in->x, w, in->list, in->even, EDML_ROWS * in->inputs, rows);
-    add_part(sum[1], in->x + in->even, w, in->list + in->even, in->odd, EDML_ROWS * in->inputs, rows);
+    add_part(sum[1], in->x + in->even, w, in->list + in->even + 1, in->odd, EDML_ROWS * in->inputs, rows);
 }
 
 #endif

@@ -74,6 +74,8 @@ enum { CHUNK = EDML_CHUNK, OWN_LIST = 0 };
 
 #if defined(__ARM_ARCH_6M__) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
 #define ADD_LISTED "rows_listed_v6m.h"
+#elif defined(__ARM_ARCH_7M__) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
+#define ADD_LISTED "rows_listed_v7m.h"
 #endif
 
 #ifndef UNITS
