@@ -45,8 +45,21 @@ static void activate_layer(activation *y, const layer_inputs *in, const dense_la
 static int read_inputs(activation *x, const value *in, int count)
 {
     const int filled = (count + CHUNK - 1) / CHUNK * CHUNK;
-    for (int k = 0; k < filled; k++) x[k] = k < count ? (activation)signed_input(in[k]) : 0;
+    for (int k = 0; k < count; k++) x[k] = (activation)signed_input(in[k]);
+    for (int k = count; k < filled; k++) x[k] = 0;
     return filled;
+}
+
+/* What the last layer gives of some rows, and of their mirror rows `count` further on. */
+static EDML_NOINLINE void give_rows(value *out, value sum[2][ROWS], const dense_layer *last, int row,
+                                    int rows, int count)
+{
+    const dense_layer layer = *last; /* nothing of which depends on `out` */
+    for (int k = 0; k < rows; k++) {
+        const value even = sum[0][k], odd = sum[1][k];
+        out[k] = signed_output(even + odd, &layer, row + k);
+        out[count + k] = signed_output(even - odd, &layer, row + k);
+    }
 }
 
 /* `out` may be `in`, and holds EDML_MAX_UNITS.  Layers write to scratch and to OTHER_UNITS in turn, so that the
@@ -73,10 +86,7 @@ EDML_INTERNAL void WEIGHTS(edml__equivariant)(value *out, const value *in, const
         const int rows = rows_from(row, count);
         value sum[2][ROWS];
         sum_parts(sum, &read, layer, row, rows);
-        for (int k = 0; k < rows; k++) {
-            out[row + k] = signed_output(sum[0][k] + sum[1][k], layer, row + k);
-            out[count + row + k] = signed_output(sum[0][k] - sum[1][k], layer, row + k);
-        }
+        give_rows(out + row, sum, layer, row, rows, count);
     }
 }
 

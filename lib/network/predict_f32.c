@@ -16,7 +16,8 @@ void edml__run_network(const edml_model *model, void *memory)
         model->predict_f32(values, values, model, &network->units);
         return;
     }
-    for (int k = 0; k < model->inputs; k++) integers[k] = (int32_t)(values[k] * ONE_Q24); /* below 12 */
+    const int inputs = model->inputs, outputs = edml__output_values(model);
+    for (int k = 0; k < inputs; k++) integers[k] = (int32_t)(values[k] * ONE_Q24); /* below 12 */
     model->predict_q(integers, integers, model, &network->units);
-    for (int k = 0; k < edml__output_values(model); k++) values[k] = (float)integers[k] / ONE_Q24;
+    for (int k = 0; k < outputs; k++) values[k] = (float)integers[k] / ONE_Q24;
 }

@@ -35,18 +35,23 @@ static EDML_INLINE int32_t activate(int32_t sum, const dense_layer *layer, int r
     return edml__saturate(edml__high_product(sum, layer->multiplier[row]), bits);
 }
 
-/* Of the last layer, in Q24, as signed_output() and mean_output(): the exporter proves that
- * |sum| 2^(32 - shift) is below 2^31. */
+/* Of the last layer: the exporter proves that |sum| 2^(32 - shift) is below 2^31. */
+static EDML_INLINE int32_t scale_output(int32_t sum, const dense_layer *layer, int row)
+{
+    return edml__high_product((int32_t)((uint32_t)sum << (32 - layer->shift)), layer->multiplier[row]);
+}
+
+/* In Q24, as signed_output() and mean_output(). */
 static inline int32_t output(int32_t sum, const dense_layer *layer, int row)
 {
-    const int32_t lifted = sum > 0 ? (int32_t)((uint32_t)sum << (32 - layer->shift)) : 0;
-    const int32_t scaled = edml__high_product(lifted, layer->multiplier[row]);
+    const int32_t scaled = scale_output(sum > 0 ? sum : 0, layer, row);
     return (scaled < layer->clamp ? scaled : layer->clamp) * (1 << EDML_OUTPUT_SHIFT);
 }
 
-static inline int32_t signed_output(int32_t sum, const dense_layer *layer, int row)
+static EDML_INLINE int32_t signed_output(int32_t sum, const dense_layer *layer, int row)
 {
-    return sum < 0 ? -output(-sum, layer, row) : output(sum, layer, row);
+    const int32_t scaled = scale_output(sum, layer, row), most = layer->clamp;
+    return (scaled > most ? most : scaled < -most ? -most : scaled) * (1 << EDML_OUTPUT_SHIFT);
 }
 
 /* |a|, |b| < 2^30, which the exporter proves; the layer's multiplier halves their sum. */
