@@ -88,7 +88,7 @@ typedef struct {
 } edml_dense_f32;
 
 /* y = clamp(((W x + b) multiplier + 2^(shift - 1)) >> shift, 0, clamp), the product in 64 bits; the last
- * layer of an equivariant network has no ReLU, so that its y has the sign of W x + b.  It is computed as
+ * layer of an equivariant network has no ReLU, and its y is within +-clamp.  It is computed as
  * ((W x + b) 2^(32 - shift) multiplier + 2^31) >> 32.
  *   x  0 to EDML_ACTIVATION.  In an equivariant network: the sum or difference of two activations of up
  *      to half of that; in its first layer, -32768 to 32767

@@ -16,7 +16,7 @@
 
 #include <string.h>
 
-#include "../../geometry/rotation.h"
+#include "horn.h"
 #include "scene.h"
 
 #define MAX_DISTANCE REAL(100.0) /* metres */
