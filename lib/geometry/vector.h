@@ -38,7 +38,10 @@ static EDML_INLINE void add_multiple(point *sum, real scale, point a)
     sum->z += MUL(scale, a.z);
 }
 
-static EDML_INLINE real dot(point a, point b) { return MUL(a.x, b.x) + MUL(a.y, b.y) + MUL(a.z, b.z); }
+static EDML_INLINE real dot(point a, point b)
+{
+    return FROM_EXACT(EXACT(a.x, b.x) + EXACT(a.y, b.y) + EXACT(a.z, b.z));
+}
 
 static inline real norm(point a) { return NORM(a.x, a.y, a.z); }
 

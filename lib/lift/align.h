@@ -28,14 +28,14 @@ static EDML_NOINLINE matrix3 sum_products(const point onto[EDML_JOINTS], const p
     return m;
 }
 
-/* ---- The nearest rotation (F. L. Markley, "Attitude determination using vector observations: a fast optimal
- * matrix algorithm", 1993) ----------------------------------------------------------------------- */
+/* ---- The nearest orthogonal matrix (F. L. Markley, "Attitude determination using vector observations: a fast
+ * optimal matrix algorithm", 1993, for either sign of the determinant) -------------------------------- */
 
-enum { ROTATION_STEPS = 12 };          /* four or five are usual */
-#define LAST_ROTATION_STEP REAL(0.001) /* the next one is about its square */
-#define LEAST_ZETA REAL(0.015625)      /* of a matrix nearer to one of rank 1, rounding destroys too much */
+enum { NEWTON_STEPS = 12 };          /* four or five are usual */
+#define LAST_NEWTON_STEP REAL(0.001) /* the next one is about its square */
+#define LEAST_ZETA REAL(0.015625)    /* of a matrix nearer to one of rank 1, rounding leaves too little */
 
-/* The cofactors of a matrix of unit size, row by row. */
+/* Of a matrix of unit size, row by row. */
 static matrix3 cofactors(const matrix3 *m)
 {
     const matrix3 c = {cross(m->y, m->z), cross(m->z, m->x), cross(m->x, m->y)};
@@ -44,19 +44,18 @@ static matrix3 cofactors(const matrix3 *m)
     return c;
 }
 
-/* Of a matrix of unit size with the singular values p, q, r, whose determinant is not negative: at their sum it is
- * (p + q)(q + r)(r + p), and above it more. */
-static real zeta_at(real sum, real determinant) { return MUL(sum, SQUARE(sum) - REAL(1.0)) / 2 - determinant; }
+/* (p + q)(q + r)(r + p) of the singular values p, q, r, where `sum` is theirs; volume: their product. */
+static real zeta_at(real sum, real volume) { return MUL(sum, SQUARE(sum) - REAL(1.0)) / 2 - volume; }
 
-/* Their sum: the largest root of (x^2 - 1)^2 - 8 determinant x - 4 squares, `squares` those of the cofactors, by Newton's
- * method from above.  8 zeta is the derivative. */
-static real sum_singular_values(real determinant, real squares)
+/* The sum of the singular values of a matrix of unit size: the largest root of (x^2 - 1)^2 - 8 volume x - 4 squares,
+ * `squares` those of the cofactors, by Newton's method from above.  The derivative is 8 zeta. */
+static real sum_singular_values(real volume, real squares)
 {
     real sum = REAL(1.7320508), length = REAL(1.0); /* root of 3: no sum is larger */
-    for (int step = 0; step < ROTATION_STEPS && length > LAST_ROTATION_STEP; step++) {
-        const real zeta = zeta_at(sum, determinant), over = SQUARE(sum) - REAL(1.0);
+    for (int step = 0; step < NEWTON_STEPS && length > LAST_NEWTON_STEP; step++) {
+        const real zeta = zeta_at(sum, volume), over = SQUARE(sum) - REAL(1.0);
         if (zeta < LEAST_ZETA) break;
-        length = DIV_TO(REAL(0.74), (SQUARE(over) - 8 * MUL(determinant, sum)) / 8 - squares / 2, zeta);
+        length = DIV_TO(REAL(0.74), (SQUARE(over) - 8 * MUL(volume, sum)) / 8 - squares / 2, zeta);
         sum -= length; /* to the root, which is 1 or more */
         ASSUME(REAL(0.99) <= sum && sum <= REAL(1.74));
     }
@@ -67,14 +66,19 @@ static real sum_singular_values(real determinant, real squares)
 static EDML_NOINLINE void make_row(point *c, const point *b, const matrix3 *m, real scale, real part,
                                    real factor)
 {
-    const point along = rotate(m, *b), back = rotate_back(m, along);
-    /* a row of a rotation, but for rounding */
-    c->x = MUL_TO(REAL(1.01), factor, MUL(scale, b->x) + MUL(part, c->x) - back.x);
-    c->y = MUL_TO(REAL(1.01), factor, MUL(scale, b->y) + MUL(part, c->y) - back.y);
-    c->z = MUL_TO(REAL(1.01), factor, MUL(scale, b->z) + MUL(part, c->z) - back.z);
+    const real x = dot(m->x, *b), y = dot(m->y, *b), z = dot(m->z, *b);
+    point row = {MUL(part, c->x), MUL(part, c->y), MUL(part, c->z)};
+    add_multiple(&row, scale, *b);
+    add_multiple(&row, -x, m->x);
+    add_multiple(&row, -y, m->y);
+    add_multiple(&row, -z, m->z);
+    /* a unit vector, but for rounding */
+    c->x = MUL_TO(REAL(1.01), factor, row.x);
+    c->y = MUL_TO(REAL(1.01), factor, row.y);
+    c->z = MUL_TO(REAL(1.01), factor, row.z);
 }
 
-/* The same of each row of M and of C, and of the matrix M M'M. */
+/* The same of all rows: factor (scale M + part C - M M'M). */
 static EDML_NOINLINE void make_rows(matrix3 *c, const matrix3 *m, real scale, real part, real factor)
 {
     make_row(&c->x, &m->x, m, scale, part, factor);
@@ -82,38 +86,20 @@ static EDML_NOINLINE void make_rows(matrix3 *c, const matrix3 *m, real scale, re
     make_row(&c->z, &m->z, m, scale, part, factor);
 }
 
-/* Makes a matrix of unit size, whose determinant is not negative, the nearest rotation; returns 0 where there is more than
- * one, as the matrix is of rank 1, or nearly so.  What rounding left of another factor, a Newton step takes out (Higham,
- * "Computing the polar decomposition", 1986). */
-static EDML_NOINLINE int turn_to_rotation(matrix3 *m)
+/* Makes a matrix of unit size the nearest orthogonal one: a rotation, or a reflection as well, as its determinant has it.
+ * Returns 0 where there are many, because the matrix is of rank 1, or nearly so.  What rounding left of another factor, a
+ * Newton step takes out (Higham, "Computing the polar decomposition", 1986). */
+static EDML_NOINLINE int make_orthogonal(matrix3 *m)
 {
     matrix3 r = cofactors(m);
-    const real squares = dot(r.x, r.x) + dot(r.y, r.y) + dot(r.z, r.z), determinant = dot(m->x, r.x);
-    const real sum = sum_singular_values(determinant, squares), zeta = zeta_at(sum, determinant);
+    const real determinant = dot(m->x, r.x), volume = ABS(determinant);
+    const real sum = sum_singular_values(volume, dot(r.x, r.x) + dot(r.y, r.y) + dot(r.z, r.z));
+    const real zeta = zeta_at(sum, volume);
     if (zeta < LEAST_ZETA) return 0;
-    make_rows(&r, m, (SQUARE(sum) + REAL(1.0)) / 2, sum, DIV(REAL(1.0), zeta));
+    make_rows(&r, m, (SQUARE(sum) + REAL(1.0)) / 2, determinant < 0 ? -sum : sum, DIV(REAL(1.0), zeta));
     *m = r;
     make_rows(&r, m, REAL(3.0), 0, REAL(0.5));
     *m = r;
-    return 1;
-}
-
-static void reverse(matrix3 *m)
-{
-    const point zero = {0, 0, 0};
-    m->x = minus(zero, m->x);
-    m->y = minus(zero, m->y);
-    m->z = minus(zero, m->z);
-}
-
-/* The nearest rotation to a matrix, or its reverse, the rotation's, whichever is nearer; returns 0 if there is none. */
-static int turn_to_orthogonal(matrix3 *m)
-{
-    if (!to_unit_size(m)) return 0;
-    const int left_handed = dot(m->x, cross(m->y, m->z)) < 0;
-    if (left_handed) reverse(m);
-    if (!turn_to_rotation(m)) return 0;
-    if (left_handed) reverse(m);
     return 1;
 }
 
@@ -123,7 +109,7 @@ void edml_align(point x[EDML_JOINTS], const point onto[EDML_JOINTS], const edml_
 {
     const real share = PARAM(model->mds_share);
     matrix3 m = sum_products(onto, x);
-    const int found = turn_to_orthogonal(&m);
+    const int found = to_unit_size(&m) && make_orthogonal(&m);
     for (int j = 0; j < EDML_JOINTS; j++) {
         const point to = onto[j], turned = found ? rotate(&m, x[j]) : to;
         x[j].x = blend(share, turned.x, to.x);

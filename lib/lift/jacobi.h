@@ -17,8 +17,8 @@ enum { SWEEPS = 12 };                               /* six are usual */
 static EDML_INLINE void rotate_pair(real *p, real *q, real cosine, real sine)
 {
     const real was = *p;
-    *p = MUL(cosine, was) - MUL(sine, *q);
-    *q = MUL(sine, was) + MUL(cosine, *q);
+    *p = FROM_EXACT(EXACT(cosine, was) - EXACT(sine, *q));
+    *q = FROM_EXACT(EXACT(sine, was) + EXACT(cosine, *q));
     ASSUME(WITHIN(*p, REAL(63.7)) && WITHIN(*q, REAL(63.7))); /* below the diagonal they are once more */
 }
 

@@ -43,7 +43,7 @@ typedef struct {
 /* Three-term recurrence: x - d is within 2, e^2 within 1/2, and what the derivative adds within 64. */
 static void next_minor(minors *m, real gap, real square, real more)
 {
-    const real next = MUL(gap, m->at[0]) - MUL(square, m->at[1]) + more;
+    const real next = FROM_EXACT(EXACT(gap, m->at[0]) - EXACT(square, m->at[1])) + more;
     m->at[1] = m->at[0];
     m->at[0] = next;
     m->exponent += NORMALISE(m->at, 2);
@@ -141,8 +141,8 @@ static EDML_NOINLINE void sweep(edml_plane_rotation *done, real *band, int n, re
         const edml_plane_rotation turn = onto_first(x, e);
         /* all are within 2 norms */
         ASSUME(WITHIN(d, REAL(2.0)) && WITHIN(e, REAL(2.0)) && WITHIN(x, REAL(4.0)));
-        if (i + 2 < n) band[2 * i + 3] = MUL(before.sine, MUL(turn.cosine, x) + MUL(turn.sine, e));
-        x = MUL(turn.cosine, d - eigenvalue) - MUL(turn.sine, MUL(before.cosine, e));
+        if (i + 2 < n) band[2 * i + 3] = MUL(before.sine, FROM_EXACT(EXACT(turn.cosine, x) + EXACT(turn.sine, e)));
+        x = FROM_EXACT(EXACT(turn.cosine, d - eigenvalue) - EXACT(turn.sine, MUL(before.cosine, e)));
         band[2 * i + 2] = d + on_diagonal;
         on_diagonal = MUL(turn.cosine, x);
         band[2 * i + 2] -= on_diagonal;

@@ -9,19 +9,21 @@
 
 enum { LAST_OF_LIST = 255, LISTED = EDML_MAX_UNITS + 2 };
 
-/* Moves those of x from `from` to before `to` forward, and lists where they were; returns how many there are.  No branch
- * depends on them, so that none is mispredicted. */
+/* Moves those of x from `from` to before `to` forward, and lists where they were; returns how many there are.  Where
+ * processors predict branches, none depends on them, so that none is mispredicted. */
 static int list_part(activation *kept, uint8_t *list, const activation *x, int from, int to)
 {
-    int count = 0;
+    const activation *const first = kept;
     for (int i = from; i < to; i++) {
         const activation xi = x[i];
-        list[count] = (uint8_t)i;
-        kept[count] = xi;
-        count += xi != 0;
+        if (SKIPS_ZEROS && xi == 0) continue;
+        *list = (uint8_t)i;
+        *kept = xi;
+        list += xi != 0;
+        kept += xi != 0;
     }
-    list[count] = LAST_OF_LIST;
-    return count;
+    *list = LAST_OF_LIST;
+    return (int)(kept - first);
 }
 
 /* Moves them forward in x, the even ones first, and counts them; list: where each was, and LAST_OF_LIST behind the
