@@ -51,15 +51,16 @@ static EDML_NOINLINE void multiply(real *product, const real *a, const real *w, 
 /* A - w q' - q w' */
 static EDML_NOINLINE void subtract_outer(real *a, const real *w, const real *q, int m)
 {
-    real *entry = a;
-    for (int i = 0; i < m; i++) {
-        const real wi = w[i], qi = q[i];
-        for (int j = i; j < m; j++, entry++) {
-            const wide both = EXACT(wi, q[j]) + EXACT(qi, w[j]);
+    const real *const end = w + m;
+    for (; w != end; w++, q++) {
+        const real wi = *w, qi = *q, *wj = w, *qj = q;
+        do {
+            const wide both = EXACT(wi, *qj++) + EXACT(qi, *wj++);
             ASSUME(WITHIN(both, EXACT(REAL(64.0), REAL(1.0)))); /* two entries, each within 32 */
-            *entry -= FROM_EXACT(both);
-            ASSUME(WITHIN(*entry, REAL(32.0))); /* no eigenvalue is beyond it */
-        }
+            *a -= FROM_EXACT(both);
+            ASSUME(WITHIN(*a, REAL(32.0))); /* no eigenvalue is beyond it */
+            a++;
+        } while (wj != end);
     }
 }
 
