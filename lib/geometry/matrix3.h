@@ -12,7 +12,7 @@ typedef struct {
     point x, y, z;
 } matrix3;
 
-static point rotate(const matrix3 *by, point p)
+static inline point rotate(const matrix3 *by, point p)
 {
     const point q = {dot(by->x, p), dot(by->y, p), dot(by->z, p)};
     return q;

@@ -57,20 +57,4 @@ static inline matrix3 compose_rotations(const matrix3 *second, const matrix3 *fi
     return rotation;
 }
 
-#define NO_SIZE REAL(0.000244140625) /* 2^-12: in fixed point smaller matrices lose their shape to rounding */
-
-/* Divides a matrix by the root of the sum of its squares; returns 0 if it is zero, or nearly so. */
-static EDML_NOINLINE int to_unit_size(matrix3 *m)
-{
-    const real x = norm(m->x), y = norm(m->y), z = norm(m->z);
-    /* of any matrix here: that of lift/align.h is the largest */
-    ASSUME(x <= REAL(50.0) && y <= REAL(50.0) && z <= REAL(50.0));
-    const real size = NORM(x, y, z);
-    if (!(size > NO_SIZE)) return 0;
-    m->x = over_length(m->x, size);
-    m->y = over_length(m->y, size);
-    m->z = over_length(m->z, size);
-    return 1;
-}
-
 #endif

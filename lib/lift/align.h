@@ -8,40 +8,72 @@
 #ifndef EDML_ALIGN_H
 #define EDML_ALIGN_H
 
-#include "../geometry/rotation.h"
+#include "../geometry/matrix3.h"
 #include "../network/model.h"
+
+typedef struct { /* a matrix by its rows */
+    real at[3][3];
+} small_matrix;
+
+static EDML_INLINE_MUL real dot_rows(const real a[3], const real b[3])
+{
+    return FROM_EXACT(EXACT(a[0], b[0]) + EXACT(a[1], b[1]) + EXACT(a[2], b[2]));
+}
 
 /* An eighth of the sum of the products of two sets of centred points.  The squares of x add up to at most 105,
  * as those of any distances up to 3 m do, and those of onto, within 6 m on each axis, to 1512: the squares of
  * the entries of m add up to less than 50^2. */
-static EDML_NOINLINE matrix3 sum_products(const point onto[EDML_JOINTS], const point x[EDML_JOINTS])
+static EDML_NOINLINE void sum_products(small_matrix *m, const point onto[EDML_JOINTS], const point x[EDML_JOINTS])
 {
-    matrix3 m = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    matrix3 sum = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
     for (int j = 0; j < EDML_JOINTS; j++) {
         const point eighth = {x[j].x / 8, x[j].y / 8, x[j].z / 8};
-        add_multiple(&m.x, onto[j].x, eighth);
-        add_multiple(&m.y, onto[j].y, eighth);
-        add_multiple(&m.z, onto[j].z, eighth);
+        add_multiple(&sum.x, onto[j].x, eighth);
+        add_multiple(&sum.y, onto[j].y, eighth);
+        add_multiple(&sum.z, onto[j].z, eighth);
     }
-    /* squares add up to less than that of 50 */
-    ASSUME(ALL_WITHIN(m.x, REAL(50.0)) && ALL_WITHIN(m.y, REAL(50.0)) && ALL_WITHIN(m.z, REAL(50.0)));
-    return m;
+    /* as above */
+    ASSUME(ALL_WITHIN(sum.x, REAL(50.0)) && ALL_WITHIN(sum.y, REAL(50.0)) && ALL_WITHIN(sum.z, REAL(50.0)));
+    const small_matrix all = {{{sum.x.x, sum.x.y, sum.x.z}, {sum.y.x, sum.y.y, sum.y.z}, {sum.z.x, sum.z.y, sum.z.z}}};
+    *m = all;
+}
+
+#define NO_SIZE REAL(0.000244140625) /* 2^-12: in fixed point smaller matrices lose their shape to rounding */
+
+/* Divides a matrix by the root of the sum of its squares; returns 0 if it is zero, or nearly so. */
+static EDML_NOINLINE int divide_by_size(small_matrix *m)
+{
+    wide squares = 0;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) squares += EXACT(m->at[i][k], m->at[i][k]);
+    ASSUME(squares >= 0 && squares <= EXACT(REAL(50.0), REAL(50.0))); /* as above */
+    const real size = ROOT_OF_EXACT(squares);
+    if (!(size > NO_SIZE)) return 0;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) m->at[i][k] = DIV_TO(REAL(1.0), m->at[i][k], size); /* one of them */
+    return 1;
 }
 
 /* ---- The nearest orthogonal matrix (F. L. Markley, "Attitude determination using vector observations: a fast
  * optimal matrix algorithm", 1993, for either sign of the determinant) -------------------------------- */
 
 enum { NEWTON_STEPS = 12 };          /* four or five are usual */
-#define LAST_NEWTON_STEP REAL(0.001) /* the next one is about its square */
+#define LAST_NEWTON_STEP REAL(0.001) /* the next one is about its small_matrix */
 #define LEAST_ZETA REAL(0.015625)    /* of a matrix nearer to one of rank 1, rounding leaves too little */
 
-/* Of a matrix of unit size, row by row. */
-static matrix3 cofactors(const matrix3 *m)
+/* Of a matrix of unit size. */
+static EDML_NOINLINE void cofactors(small_matrix *c, const small_matrix *m)
 {
-    const matrix3 c = {cross(m->y, m->z), cross(m->z, m->x), cross(m->x, m->y)};
-    /* products of two singular values, whose squares add up to 1 */
-    ASSUME(ALL_WITHIN(c.x, REAL(0.51)) && ALL_WITHIN(c.y, REAL(0.51)) && ALL_WITHIN(c.z, REAL(0.51)));
-    return c;
+    static const uint8_t next[3] = {1, 2, 0};
+    for (int i = 0; i < 3; i++) {
+        const real *const a = m->at[next[i]], *const b = m->at[next[next[i]]];
+        for (int k = 0; k < 3; k++) {
+            const int n = next[k], p = next[n];
+            c->at[i][k] = FROM_EXACT(EXACT(a[n], b[p]) - EXACT(a[p], b[n]));
+            /* no more than the product of two singular values, whose squares add up to 1 */
+            ASSUME(WITHIN(c->at[i][k], REAL(0.51)));
+        }
+    }
 }
 
 /* (p + q)(q + r)(r + p) of the singular values p, q, r, where `sum` is theirs; volume: their product. */
@@ -55,50 +87,42 @@ static real sum_singular_values(real volume, real squares)
     for (int step = 0; step < NEWTON_STEPS && length > LAST_NEWTON_STEP; step++) {
         const real zeta = zeta_at(sum, volume), over = SQUARE(sum) - REAL(1.0);
         if (zeta < LEAST_ZETA) break;
-        length = DIV_TO(REAL(0.74), (SQUARE(over) - 8 * MUL(volume, sum)) / 8 - squares / 2, zeta);
-        sum -= length; /* to the root, which is 1 or more */
-        ASSUME(REAL(0.99) <= sum && sum <= REAL(1.74));
+        const real eighth = (SQUARE(over) - 8 * MUL(volume, sum)) / 8 - squares / 2; /* of the polynomial */
+        length = DIV_TO(REAL(0.74), eighth, zeta); /* from root of 3 or less to 1 or more */
+        sum -= length;
+        ASSUME(REAL(0.99) <= sum && sum <= REAL(1.74)); /* between these, but for rounding */
     }
     return sum;
 }
 
-/* factor (scale b + part c - M M'b) in the place of c. */
-static EDML_NOINLINE void make_row(point *c, const point *b, const matrix3 *m, real scale, real part,
-                                   real factor)
+/* factor (scale M + part C - M M'M) in the place of C. */
+static EDML_NOINLINE void combine(small_matrix *c, const small_matrix *m, real scale, real part, real factor)
 {
-    const real x = dot(m->x, *b), y = dot(m->y, *b), z = dot(m->z, *b);
-    point row = {MUL(part, c->x), MUL(part, c->y), MUL(part, c->z)};
-    add_multiple(&row, scale, *b);
-    add_multiple(&row, -x, m->x);
-    add_multiple(&row, -y, m->y);
-    add_multiple(&row, -z, m->z);
-    /* a unit vector, but for rounding */
-    c->x = MUL_TO(REAL(1.01), factor, row.x);
-    c->y = MUL_TO(REAL(1.01), factor, row.y);
-    c->z = MUL_TO(REAL(1.01), factor, row.z);
-}
-
-/* The same of all rows: factor (scale M + part C - M M'M). */
-static EDML_NOINLINE void make_rows(matrix3 *c, const matrix3 *m, real scale, real part, real factor)
-{
-    make_row(&c->x, &m->x, m, scale, part, factor);
-    make_row(&c->y, &m->y, m, scale, part, factor);
-    make_row(&c->z, &m->z, m, scale, part, factor);
+    for (int i = 0; i < 3; i++) {
+        const real *const row = m->at[i];
+        const real along[3] = {dot_rows(m->at[0], row), dot_rows(m->at[1], row), dot_rows(m->at[2], row)};
+        for (int k = 0; k < 3; k++) {
+            const real column[3] = {m->at[0][k], m->at[1][k], m->at[2][k]};
+            const real entry = MUL(scale, row[k]) + MUL(part, c->at[i][k]) - dot_rows(along, column);
+            c->at[i][k] = MUL_TO(REAL(1.01), factor, entry); /* of a unit vector, but for rounding */
+        }
+    }
 }
 
 /* Makes a matrix of unit size the nearest orthogonal one: a rotation, or a reflection as well, as its determinant has it.
  * Returns 0 where there are many, because the matrix is of rank 1, or nearly so.  What rounding left of another factor, a
  * Newton step takes out (Higham, "Computing the polar decomposition", 1986). */
-static EDML_NOINLINE int make_orthogonal(matrix3 *m)
+static EDML_NOINLINE int make_orthogonal(small_matrix *m)
 {
-    matrix3 r = cofactors(m);
-    const real determinant = dot(m->x, r.x), volume = ABS(determinant);
-    const real sum = sum_singular_values(volume, dot(r.x, r.x) + dot(r.y, r.y) + dot(r.z, r.z));
-    const real zeta = zeta_at(sum, volume);
+    small_matrix r;
+    cofactors(&r, m);
+    const real determinant = dot_rows(m->at[0], r.at[0]), volume = ABS(determinant);
+    const real squares = dot_rows(r.at[0], r.at[0]) + dot_rows(r.at[1], r.at[1]) + dot_rows(r.at[2], r.at[2]);
+    const real sum = sum_singular_values(volume, squares), zeta = zeta_at(sum, volume);
     if (zeta < LEAST_ZETA) return 0;
-    make_rows(&r, m, (SQUARE(sum) + REAL(1.0)) / 2, determinant < 0 ? -sum : sum, DIV(REAL(1.0), zeta));
+    combine(&r, m, (SQUARE(sum) + REAL(1.0)) / 2, determinant < 0 ? -sum : sum, DIV(REAL(1.0), zeta));
     *m = r;
-    make_rows(&r, m, REAL(3.0), 0, REAL(0.5));
+    combine(&r, m, REAL(3.0), 0, REAL(0.5));
     *m = r;
     return 1;
 }
@@ -108,13 +132,15 @@ static real blend(real share, real a, real b) { return b + MUL(share, a - b); }
 void edml_align(point x[EDML_JOINTS], const point onto[EDML_JOINTS], const edml_model *model)
 {
     const real share = PARAM(model->mds_share);
-    matrix3 m = sum_products(onto, x);
-    const int found = to_unit_size(&m) && make_orthogonal(&m);
+    small_matrix m;
+    sum_products(&m, onto, x);
+    const int found = divide_by_size(&m) && make_orthogonal(&m);
     for (int j = 0; j < EDML_JOINTS; j++) {
-        const point to = onto[j], turned = found ? rotate(&m, x[j]) : to;
-        x[j].x = blend(share, turned.x, to.x);
-        x[j].y = blend(share, turned.y, to.y);
-        x[j].z = blend(share, turned.z, to.z);
+        const real p[3] = {x[j].x, x[j].y, x[j].z};
+        const point to = onto[j];
+        x[j].x = found ? blend(share, dot_rows(m.at[0], p), to.x) : to.x;
+        x[j].y = found ? blend(share, dot_rows(m.at[1], p), to.y) : to.y;
+        x[j].z = found ? blend(share, dot_rows(m.at[2], p), to.z) : to.z;
     }
 }
 

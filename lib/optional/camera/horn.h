@@ -79,6 +79,19 @@ static real square_and_scale(horn_matrix *n)
     return trace;
 }
 
+/* Divides a matrix by the root of the sum of its squares; returns 0 if it is zero. */
+static int to_unit_size(matrix3 *m)
+{
+    const real x = norm(m->x), y = norm(m->y), z = norm(m->z);
+    ASSUME(x <= REAL(50.0) && y <= REAL(50.0) && z <= REAL(50.0)); /* of any matrix here */
+    const real size = NORM(x, y, z);
+    if (!(size > EPSILON)) return 0;
+    m->x = over_length(m->x, size);
+    m->y = over_length(m->y, size);
+    m->z = over_length(m->z, size);
+    return 1;
+}
+
 /* The rotation r of the largest trace(r' m), whatever the sign of m's determinant; m is of unit size.  Its quaternion
  * is N's eigenvector of the largest eigenvalue: repeated squaring leaves only that one in the matrix. */
 static matrix3 nearest_to_unit(const matrix3 *m)
