@@ -15,7 +15,7 @@ typedef struct { /* a matrix by its rows */
     real at[3][3];
 } small_matrix;
 
-static EDML_INLINE_MUL real dot_rows(const real a[3], const real b[3])
+static INLINE_PRODUCTS real dot_rows(const real a[3], const real b[3])
 {
     return FROM_EXACT(EXACT(a[0], b[0]) + EXACT(a[1], b[1]) + EXACT(a[2], b[2]));
 }

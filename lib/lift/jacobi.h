@@ -14,7 +14,7 @@ enum { SWEEPS = 12 };                               /* six are usual */
 #define JACOBI_NOTHING REAL(5.3e-23)                /* 2^-74: squares of smaller floats have no bits left */
 
 /* Rotates a pair of matrix or vector entries by the angle of (cosine, sine). */
-static EDML_INLINE_MUL void rotate_pair(real *p, real *q, real cosine, real sine)
+static INLINE_PRODUCTS void rotate_pair(real *p, real *q, real cosine, real sine)
 {
     const real was = *p;
     *p = FROM_EXACT(EXACT(cosine, was) - EXACT(sine, *q));

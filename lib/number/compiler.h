@@ -9,7 +9,6 @@
 
 /* EDML_NOINLINE     keep out of line, so that its locals leave the stack before the caller calls deeper
  * EDML_INLINE       inline also where the compiler is told to save space
- * EDML_INLINE_MUL   the same where a product is an instruction, and else out of line
  * EDML_ALIGN4       weights that may be loaded a word at a time
  * EDML_IS_ALIGNED4  may words be at this pointer?
  * EDML_IN_REGISTER  an argument of a function in assembly
@@ -31,9 +30,6 @@
 #endif
 #ifndef __ARM_ARCH_6M__
 #define EDML_DIVIDES
-#define EDML_INLINE_MUL EDML_INLINE
-#else
-#define EDML_INLINE_MUL EDML_NOINLINE
 #endif
 #if defined(__ARM_FEATURE_CLZ) || defined(__x86_64__) || defined(__aarch64__) || defined(__riscv_zbb)
 #define EDML_COUNT_ZEROS(n) __builtin_clz(n)

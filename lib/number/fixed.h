@@ -19,9 +19,11 @@ EDML_INTERNAL uint32_t edml__root(uint64_t n);
 /* a b, exactly; and (a b + 2^23) >> 24, to the nearest, for |a b| < 2^55. */
 #if defined(__GNUC__) && !defined(__clang__) && (defined(__ARM_ARCH_6M__) || defined(__ARM_ARCH_8M_BASE__))
 #define EDML_MULTIPLY_V6M
+#define EDML_INLINE_PRODUCTS EDML_NOINLINE /* each is a call: not inline what has many */
 EDML_INTERNAL int64_t edml__product(int32_t a, int32_t b);
 EDML_INTERNAL int32_t edml__multiply_q24(int32_t a, int32_t b);
 #else
+#define EDML_INLINE_PRODUCTS EDML_INLINE
 static inline int64_t edml__product(int32_t a, int32_t b) { return (int64_t)a * b; }
 
 static inline int32_t edml__multiply_q24(int32_t a, int32_t b)

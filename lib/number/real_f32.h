@@ -16,6 +16,7 @@
  *                 returns the exponent; SHIFT multiplies a real.  A float needs neither
  *   SATURATE      a sum of PRODUCTs as a real, clamped to +-64
  *   IS_NEAR       is a squared distance below 64 m^2?  Beyond that a sum is WIDE_MAX, above all sums
+ *   INLINE_PRODUCTS  a function that is inline where a product is an instruction
  *   EPSILON       what rounding may leave of a zero, absolutely; a float's rounding is relative
  *
  * Of ranges in fixed point, which docs/proof.md proves:
@@ -57,6 +58,7 @@
 typedef float real;
 typedef float wide;
 
+#define INLINE_PRODUCTS EDML_INLINE
 #define REAL(constant) constant##F
 #define Q12(a) ((float)(a) * 0x1p-12F)
 #define EPSILON 0.0F

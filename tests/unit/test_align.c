@@ -44,6 +44,27 @@ static void the_same_body_comes_back_whichever_way_it_was_turned(void)
     }
 }
 
+/* Nearly on a line, as someone who lies along it: the other two singular values are 1/10 and less of the first. */
+static void thin_bodies_are_turned_as_well(void)
+{
+    rng r = rng_seed(5);
+    set_share(1);
+    for (int n = 0; n < 200; n++) {
+        random_human(&r, person);
+        for (int j = 0; j < EDML_JOINTS; j++) {
+            person[j].x *= 0.15F;
+            person[j].z *= n % 2 ? 0.15F : 0;
+        }
+        rotate_points(person, random_rotation(&r), person);
+        centre(person);
+        memcpy(x, person, sizeof x);
+        if (n % 4 == 1) reflect(x, person);
+        rotate_points(x, random_rotation(&r), x);
+        edml_align(x, person, &model);
+        TEST_ASSERT_ERROR_UP_TO(10 * ALIGN_TOLERANCE, worst_joint_error(x, person));
+    }
+}
+
 static double squares(const edml_point a[EDML_JOINTS], const edml_point b[EDML_JOINTS])
 {
     double sum = 0;
@@ -129,6 +150,7 @@ static void points_without_a_shape_are_the_networks(void)
     centre(y);
     edml_align(x, person, &model);
     edml_align(y, person, &model);
+    TEST_ASSERT_ERROR_UP_TO(ALIGN_TOLERANCE, worst_joint_error(x, person)); /* there is no one rotation */
     TEST_ASSERT_TRUE(all_finite(x, 3 * EDML_JOINTS) && all_finite(y, 3 * EDML_JOINTS));
     for (int k = 0; k < 3 * EDML_JOINTS; k++)
         TEST_ASSERT_TRUE(fabsf((&x->x)[k]) < 4 && fabsf((&y->x)[k]) < 4);
@@ -138,6 +160,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(the_same_body_comes_back_whichever_way_it_was_turned);
+    RUN_TEST(thin_bodies_are_turned_as_well);
     RUN_TEST(no_rotation_nearby_and_no_mirror_image_is_nearer);
     RUN_TEST(the_share_is_that_of_the_mds);
     RUN_TEST(points_without_a_shape_are_the_networks);

@@ -1,7 +1,7 @@
 """What a network of this size can reach: `direct`, trained for one column of the test alone.
 
     run.py experiments.columns --train MOTION ... --test MOTION ... [--columns n10 cpm]
-                       [--epochs 240] [--out build/columns]
+                       [--epochs 1000] [--out build/columns]
                        [--json docs/accuracy/columns.json] [--update docs/accuracy-log.md]
 
 Such a network sees the views of its column and no others: as noisy, no joint missing, no camera
@@ -82,7 +82,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--train", help="motion to train on, CMU's first", **motion)
     parser.add_argument("--test", help="motion of other people", **motion)
     parser.add_argument("--columns", nargs="+", choices=COLUMNS, default=["n10", "cpm"])
-    parser.add_argument("--epochs", type=int, default=240, help="of each run (%(default)s)")
+    parser.add_argument("--epochs", type=int, default=1000, help="of each run (%(default)s)")
     parser.add_argument("--out", type=Path, default=Path("build/columns"), help="checkpoints")
     parser.add_argument("--json", type=Path, default=RESULTS, help="for results (%(default)s)")
     parser.add_argument("--update", type=Path, help="Markdown with marks for the table")
