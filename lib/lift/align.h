@@ -23,7 +23,8 @@ static INLINE_PRODUCTS real dot_rows(const real a[3], const real b[3])
 /* An eighth of the sum of the products of two sets of centred points.  The squares of x add up to at most 105,
  * as those of any distances up to 3 m do, and those of onto, within 6 m on each axis, to 1512: the squares of
  * the entries of m add up to less than 50^2. */
-static EDML_NOINLINE void sum_products(small_matrix *m, const point onto[EDML_JOINTS], const point x[EDML_JOINTS])
+static EDML_NOINLINE void sum_products(small_matrix *m, const point onto[EDML_JOINTS],
+                                       const point x[EDML_JOINTS])
 {
     matrix3 sum = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
     for (int j = 0; j < EDML_JOINTS; j++) {
@@ -34,8 +35,9 @@ static EDML_NOINLINE void sum_products(small_matrix *m, const point onto[EDML_JO
     }
     /* as above */
     ASSUME(ALL_WITHIN(sum.x, REAL(50.0)) && ALL_WITHIN(sum.y, REAL(50.0)) && ALL_WITHIN(sum.z, REAL(50.0)));
-    const small_matrix all = {{{sum.x.x, sum.x.y, sum.x.z}, {sum.y.x, sum.y.y, sum.y.z}, {sum.z.x, sum.z.y, sum.z.z}}};
-    *m = all;
+    const small_matrix rows = {
+        {{sum.x.x, sum.x.y, sum.x.z}, {sum.y.x, sum.y.y, sum.y.z}, {sum.z.x, sum.z.y, sum.z.z}}};
+    *m = rows;
 }
 
 #define NO_SIZE REAL(0.000244140625) /* 2^-12: in fixed point smaller matrices lose their shape to rounding */
@@ -79,8 +81,9 @@ static EDML_NOINLINE void cofactors(small_matrix *c, const small_matrix *m)
 /* (p + q)(q + r)(r + p) of the singular values p, q, r, where `sum` is theirs; volume: their product. */
 static real zeta_at(real sum, real volume) { return MUL(sum, SQUARE(sum) - REAL(1.0)) / 2 - volume; }
 
-/* The sum of the singular values of a matrix of unit size: the largest root of (x^2 - 1)^2 - 8 volume x - 4 squares,
- * `squares` those of the cofactors, by Newton's method from above.  The derivative is 8 zeta. */
+/* The sum of the singular values of a matrix of unit size: the largest root of
+ * (x^2 - 1)^2 - 8 volume x - 4 squares, `squares` those of the cofactors, by Newton's method from above.  The
+ * derivative is 8 zeta. */
 static real sum_singular_values(real volume, real squares)
 {
     real sum = REAL(1.7320508), length = REAL(1.0); /* root of 3: no sum is larger */
@@ -109,9 +112,9 @@ static EDML_NOINLINE void combine(small_matrix *c, const small_matrix *m, real s
     }
 }
 
-/* Makes a matrix of unit size the nearest orthogonal one: a rotation, or a reflection as well, as its determinant has it.
- * Returns 0 where there are many, because the matrix is of rank 1, or nearly so.  What rounding left of another factor, a
- * Newton step takes out (Higham, "Computing the polar decomposition", 1986). */
+/* Makes a matrix of unit size the nearest orthogonal one: a rotation, or a reflection as well, as its
+ * determinant has it.  Returns 0 where there are many, because the matrix is of rank 1, or nearly so.  A Newton
+ * step takes out what rounding left of the other factor (Higham, "Computing the polar decomposition", 1986). */
 static EDML_NOINLINE int make_orthogonal(small_matrix *m)
 {
     small_matrix r;

@@ -42,11 +42,11 @@ static void activate_layer(activation *y, const layer_inputs *in, const dense_la
 }
 
 /* Inputs, and zero for those that fill up. */
-static int read_inputs(activation *x, const value *in, int count)
+static int read_inputs(activation *x, const value *in, int inputs)
 {
-    const int filled = (count + CHUNK - 1) / CHUNK * CHUNK;
-    for (int k = 0; k < count; k++) x[k] = (activation)signed_input(in[k]);
-    for (int k = count; k < filled; k++) x[k] = 0;
+    const int filled = (inputs + CHUNK - 1) / CHUNK * CHUNK;
+    for (int k = 0; k < inputs; k++) x[k] = (activation)signed_input(in[k]);
+    for (int k = inputs; k < filled; k++) x[k] = 0;
     return filled;
 }
 

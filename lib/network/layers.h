@@ -98,7 +98,7 @@ typedef struct {
     uint16_t inputs, outputs;
     const int16_t *weight;            /* [groups][inputs][EDML_ROWS], in blocks; EDML_ALIGN4 */
     const int32_t *bias, *multiplier; /* [groups * EDML_ROWS]; multiplier > 0 */
-    uint8_t shift;                    /* 1 to 32 */
+    uint8_t shift;                    /* 2 to 32 */
     int32_t clamp;                    /* the last layer: 3 m.  Others: what their kernel's bits hold */
 } edml_dense_w16;
 

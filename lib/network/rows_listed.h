@@ -21,12 +21,14 @@ static EDML_NOINLINE void add_listed(value y[EDML_ROWS], const activation *x, co
 {
     EIGHT_SUMS(b);
     int i = *list;
-    if (i != LAST_OF_LIST) do { /* asked behind each input: a branch less */
-        const weight *const w = weights + EDML_ROWS * i;
-        const activation xi = *x++;
-        ADD_TO_EIGHT(w, xi);
-        i = *++list;
-    } while (i != LAST_OF_LIST);
+    if (i != LAST_OF_LIST) { /* asked behind each input after that, which takes a branch less */
+        do {
+            const weight *const w = weights + EDML_ROWS * i;
+            const activation xi = *x++;
+            ADD_TO_EIGHT(w, xi);
+            i = *++list;
+        } while (i != LAST_OF_LIST);
+    }
     STORE_EIGHT(y);
 }
 #endif

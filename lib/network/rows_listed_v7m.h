@@ -1,5 +1,5 @@
-/* add_listed() of rows_listed.h in the words of ARMv7-M without the DSP extension, such as a Cortex-M3: gcc 12 keeps two
- * pointers of its loop on the stack.
+/* add_listed() of rows_listed.h in the words of ARMv7-M without the DSP extension, such as a Cortex-M3.  gcc 12
+ * keeps two pointers of the loop on the stack.
  *
  *   r0 xi     r1 x     r2 list     r3 weights     r12 a weight, lr where they are     r4 to r11  the sums
  *

@@ -9,8 +9,8 @@
 
 enum { LAST_OF_LIST = 255, LISTED = EDML_MAX_UNITS + 2 };
 
-/* Moves those of x from `from` to before `to` forward, and lists where they were; returns how many there are.  Where
- * processors predict branches, none depends on them, so that none is mispredicted. */
+/* Moves those of x from `from` to before `to` forward, and lists where they were; returns how many there are.
+ * Where processors predict branches, none depends on an input, so that none is mispredicted. */
 static int list_part(activation *kept, uint8_t *list, const activation *x, int from, int to)
 {
     const activation *const first = kept;

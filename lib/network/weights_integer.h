@@ -38,7 +38,7 @@ static EDML_INLINE int32_t activate(int32_t sum, const dense_layer *layer, int r
 /* Of the last layer: the exporter proves that |sum| 2^(32 - shift) is below 2^31. */
 static EDML_INLINE int32_t scale_output(int32_t sum, const dense_layer *layer, int row)
 {
-    return edml__high_product((int32_t)((uint32_t)sum << (32 - layer->shift)), layer->multiplier[row]);
+    return edml__high_product(sum * (INT32_C(1) << (32 - layer->shift)), layer->multiplier[row]);
 }
 
 /* In Q24, as signed_output() and mean_output(). */

@@ -34,7 +34,7 @@ class Dense(NamedTuple):
     weight: np.ndarray  # int16 or int8 [in, out]
     bias: np.ndarray  # int32 [out]
     multiplier: np.ndarray  # int32 [out], 1 and up
-    shift: int  # 1 to 32
+    shift: int  # 2 to 32
     clamp: int
 
 
@@ -142,7 +142,7 @@ def rows_of(layers: Sequence[Layer], calibration: Mapping[str, Any], plan: Plan)
                 y_scale=scales[k + 1],
                 reach=input_ranges(plan, k, layers[k]),
                 clamp=plan.activation if inner else FARTHEST,
-                least_shift=32 if inner else 1,
+                least_shift=32 if inner else 2,
                 word=WORD if inner else WORD // plan.sums,
             )
         )
@@ -241,7 +241,7 @@ def prove(dense: Dense, number: int, reach: np.ndarray, word: int = WORD) -> Non
             f"layer {number}: sums of row {row} reach {lowest[row]} to {highest[row]}, "
             f"beyond {word.bit_length()} bits"
         )
-    if not (dense.multiplier > 0).all() or not 1 <= dense.shift <= 32:
+    if not (dense.multiplier > 0).all() or not 2 <= dense.shift <= 32:
         raise ExportError(f"layer {number}: multiplier or shift out of range")
     if max(-lowest.min(), highest.max()) >= word >> 32 - dense.shift:
         raise ExportError(f"layer {number}: sums leave 32 bits when they are shifted to the left")
@@ -253,10 +253,9 @@ def run(network: Sequence[Dense], inputs: np.ndarray, plan: Plan = DENSE) -> np.
 
     def activate(k: int, sums: np.ndarray) -> np.ndarray:
         dense = network[k]  # sums are exact in double
-        sign = np.sign(sums).astype(np.int64) if plan.signed and k == len(network) - 1 else 1
-        sums = np.maximum(sums.astype(np.int64) * sign, 0)
-        y = (sums * dense.multiplier + (1 << dense.shift - 1)) >> dense.shift
-        return sign * np.minimum(y, dense.clamp)
+        y = (sums.astype(np.int64) * dense.multiplier + (1 << dense.shift - 1)) >> dense.shift
+        least = -dense.clamp if plan.signed and k == len(network) - 1 else 0
+        return np.clip(y, least, dense.clamp)
 
     return plan.forward(network, input_value(inputs), activate)[-1] * (1 << OUTPUT_SHIFT)
 
