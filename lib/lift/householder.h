@@ -51,16 +51,16 @@ static EDML_NOINLINE void multiply(real *product, const real *a, const real *w, 
 /* A - w q' - q w' */
 static EDML_NOINLINE void subtract_outer(real *a, const real *w, const real *q, int m)
 {
-    const real *const end = w + m;
-    for (; w != end; w++, q++) {
-        const real wi = *w, qi = *q, *wj = w, *qj = q;
-        do {
-            const wide both = EXACT(wi, *qj++) + EXACT(qi, *wj++);
+    for (int i = 0; i < m; i++) {
+        const real wi = w[i], qi = q[i];
+        int j = i;
+        do { /* no row is empty, and it takes a branch less */
+            const wide both = EXACT(wi, q[j]) + EXACT(qi, w[j]);
             ASSUME(WITHIN(both, EXACT(REAL(64.0), REAL(1.0)))); /* two entries, each within 32 */
             *a -= FROM_EXACT(both);
             ASSUME(WITHIN(*a, REAL(32.0))); /* no eigenvalue is beyond it */
             a++;
-        } while (wj != end);
+        } while (++j < m);
     }
 }
 
