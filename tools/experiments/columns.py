@@ -60,10 +60,10 @@ def reach(column: str, train: list[Motion], test: list[Motion], args: Any) -> di
 
 
 def report(results: dict[str, dict]) -> str:
-    """A table: a row a column, each motion's errors by the two networks."""
+    """A table: a row a column, each motion's errors by the two networks, one of so many epochs."""
     first = next(iter(results.values()))
     names = {"for this column": "alone", "for all columns": "for all"}
-    heads, rows = [], {column: [] for column in results}
+    heads, rows = ["epochs"], {column: [entry["epochs"]] for column, entry in results.items()}
     for source in first["for this column"]:
         for figure in FIGURES:
             for key, name in names.items():
