@@ -59,9 +59,9 @@ static EDML_NOINLINE int divide_by_size(small_matrix *m)
 /* ---- The nearest orthogonal matrix (F. L. Markley, "Attitude determination using vector observations: a fast
  * optimal matrix algorithm", 1993, for either sign of the determinant) -------------------------------- */
 
-enum { NEWTON_STEPS = 12 };          /* four or five are usual */
-#define LAST_NEWTON_STEP REAL(0.001) /* the next one is about its small_matrix */
-#define LEAST_ZETA REAL(0.015625)    /* of a matrix nearer to one of rank 1, rounding leaves too little */
+enum { NEWTON_STEPS = 16 };            /* five to eight are usual */
+#define LAST_NEWTON_STEP REAL(0.00025) /* the next one is about its square over the gap of the roots */
+#define LEAST_ZETA REAL(0.001953125)   /* 2^-9: people who stand straight have 0.01 and more */
 
 /* Of a matrix of unit size. */
 static EDML_NOINLINE void cofactors(small_matrix *c, const small_matrix *m)
@@ -98,8 +98,8 @@ static real sum_singular_values(real volume, real squares)
     return sum;
 }
 
-/* factor (scale M + part C - M M'M) in the place of C. */
-static EDML_NOINLINE void combine(small_matrix *c, const small_matrix *m, real scale, real part, real factor)
+/* 8 eighth (scale M + part C - M M'M) in the place of C. */
+static EDML_NOINLINE void combine(small_matrix *c, const small_matrix *m, real scale, real part, real eighth)
 {
     for (int i = 0; i < 3; i++) {
         const real *const row = m->at[i];
@@ -107,7 +107,7 @@ static EDML_NOINLINE void combine(small_matrix *c, const small_matrix *m, real s
         for (int k = 0; k < 3; k++) {
             const real column[3] = {m->at[0][k], m->at[1][k], m->at[2][k]};
             const real entry = MUL(scale, row[k]) + MUL(part, c->at[i][k]) - dot_rows(along, column);
-            c->at[i][k] = MUL_TO(REAL(1.01), factor, entry); /* of a unit vector, but for rounding */
+            c->at[i][k] = MUL_TO(REAL(1.05), eighth, 8 * entry); /* of a unit vector, but for rounding */
         }
     }
 }
@@ -123,9 +123,9 @@ static EDML_NOINLINE int make_orthogonal(small_matrix *m)
     const real squares = dot_rows(r.at[0], r.at[0]) + dot_rows(r.at[1], r.at[1]) + dot_rows(r.at[2], r.at[2]);
     const real sum = sum_singular_values(volume, squares), zeta = zeta_at(sum, volume);
     if (zeta < LEAST_ZETA) return 0;
-    combine(&r, m, (SQUARE(sum) + REAL(1.0)) / 2, determinant < 0 ? -sum : sum, DIV(REAL(1.0), zeta));
+    combine(&r, m, (SQUARE(sum) + REAL(1.0)) / 2, determinant < 0 ? -sum : sum, DIV(REAL(0.125), zeta));
     *m = r;
-    combine(&r, m, REAL(3.0), 0, REAL(0.5));
+    combine(&r, m, REAL(3.0), 0, REAL(0.0625));
     *m = r;
     return 1;
 }
