@@ -24,7 +24,8 @@ def test_such_a_network_sees_the_views_of_its_column_and_no_others():
 
 @pytest.mark.long
 def test_the_command_trains_for_a_column_and_measures_on_the_test(tmp_path, monkeypatch, capsys):
-    paths = [write_motion(tmp_path / f"{name}.npz", people(n)) for name, n in (("a", 80), ("b", 20))]
+    motion = {"a": people(80), "b": people(20)}
+    paths = [write_motion(tmp_path / f"{name}.npz", m) for name, m in motion.items()]
     page, results = tmp_path / "page.md", tmp_path / "columns.json"
     page.write_text("<!-- begin columns -->\n<!-- end columns -->\n")
     command = ["columns", "--train", paths[0], paths[0], "--test", paths[1], "--columns", "n10"]
