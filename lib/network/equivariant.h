@@ -45,8 +45,7 @@ static void activate_layer(activation *y, const layer_inputs *in, const dense_la
 static int read_inputs(activation *x, const value *in, int inputs)
 {
     const int filled = (inputs + CHUNK - 1) / CHUNK * CHUNK;
-    for (int k = 0; k < inputs; k++) x[k] = (activation)signed_input(in[k]);
-    for (int k = inputs; k < filled; k++) x[k] = 0;
+    for (int k = 0; k < filled; k++) x[k] = k < inputs ? (activation)signed_input(in[k]) : 0;
     return filled;
 }
 

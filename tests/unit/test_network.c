@@ -513,7 +513,7 @@ static void integers_are_limited(void)
     TEST_ASSERT_EQUAL_INT32(256 * EDML_ACTIVATION, first_distance(&wide, HIGHEST));
     const edml_model far = identity_w16(INT32_MAX - EDML_ACTIVATION, INT32_MAX, 32, 3 << 16);
     TEST_ASSERT_EQUAL_INT32(3 << 24, first_distance(&far, HIGHEST));
-    const edml_model below = identity_w16(INT32_MIN, INT32_MAX, 1, 3 << 16);
+    const edml_model below = identity_w16(INT32_MIN, INT32_MAX, 2, 3 << 16);
     TEST_ASSERT_EQUAL_INT32(0, first_distance(&below, HIGHEST));
     const edml_model tiny = identity_w16(INT32_MAX - EDML_ACTIVATION, 2, 32, 3 << 16);
     TEST_ASSERT_EQUAL_INT32(256, first_distance(&tiny, HIGHEST));

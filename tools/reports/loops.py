@@ -212,8 +212,7 @@ def network_totals(model: Model) -> list[tuple[dict[str, int], int]]:
         ({"equivariant.h: for (int n = 1; n < model->layer_count": 1}, layers),
         ({"units_by_row.h: for (int k = 0; k < rows; k++)": 1}, 8 * groups),
         ({"equivariant.h: for (int k = 0; k < rows; k++)": 1}, 8 * groups),
-        ({"equivariant.h: for (int k = 0; k < inputs; k++)": 1}, inputs[0]),
-        ({"equivariant.h: for (int k = inputs; k < filled; k++)": 1}, 2 * 7),
+        ({"equivariant.h: for (int k = 0; k < filled; k++)": 1}, inputs[0]),
         ({"rows_some_inputs.h: for (int i = from; i < to; i++)": 1}, sum(inputs)),
         ({"predict_f32.c: ": 1}, 0 if model.is_float else 2 * inputs[0]),
         ({"predict.h: for (int": 1}, 0),  # both models read coordinates
