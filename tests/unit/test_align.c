@@ -67,7 +67,7 @@ static void thin_bodies_are_turned_as_well(void)
         centre(x);
         pair_distances(distance, x);
         edml_align(x, person, &model);
-        TEST_ASSERT_ERROR_UP_TO(10 * ALIGN_TOLERANCE, worst_distance_error(x, distance));
+        TEST_ASSERT_ERROR_UP_TO(ALIGN_TOLERANCE, worst_distance_error(x, distance));
         TEST_ASSERT_ERROR_UP_TO(0.05F, worst_joint_error(x, person));
     }
 }
