@@ -61,7 +61,7 @@ static EDML_NOINLINE int divide_by_size(small_matrix *m)
 
 enum { NEWTON_STEPS = 16 };            /* five to eight are usual */
 #define LAST_NEWTON_STEP REAL(0.00025) /* the next one is about its square over the gap of the roots */
-#define LEAST_ZETA REAL(0.001953125)   /* 2^-9: people who stand straight have 0.01 and more */
+#define LEAST_ZETA REAL(0.001953125)   /* 2^-9: people who stand straight may be below 2^-6 */
 
 /* Of a matrix of unit size. */
 static EDML_NOINLINE void cofactors(small_matrix *c, const small_matrix *m)
@@ -90,16 +90,16 @@ static real sum_singular_values(real volume, real squares)
     for (int step = 0; step < NEWTON_STEPS && length > LAST_NEWTON_STEP; step++) {
         const real zeta = zeta_at(sum, volume), over = SQUARE(sum) - REAL(1.0);
         if (zeta < LEAST_ZETA) break;
-        const real eighth = (SQUARE(over) - 8 * MUL(volume, sum)) / 8 - squares / 2; /* of the polynomial */
-        length = DIV_TO(REAL(0.74), eighth, zeta); /* from root of 3 or less to 1 or more */
+        const real value = (SQUARE(over) - 8 * MUL(volume, sum)) / 8 - squares / 2; /* an eighth of it */
+        length = DIV_TO(REAL(0.74), value, zeta); /* from root of 3 or less to 1 or more */
         sum -= length;
         ASSUME(REAL(0.99) <= sum && sum <= REAL(1.74)); /* between these, but for rounding */
     }
     return sum;
 }
 
-/* 8 eighth (scale M + part C - M M'M) in the place of C. */
-static EDML_NOINLINE void combine(small_matrix *c, const small_matrix *m, real scale, real part, real eighth)
+/* 8 factor (scale M + part C - M M'M) in the place of C. */
+static EDML_NOINLINE void combine(small_matrix *c, const small_matrix *m, real scale, real part, real factor)
 {
     for (int i = 0; i < 3; i++) {
         const real *const row = m->at[i];
@@ -107,7 +107,7 @@ static EDML_NOINLINE void combine(small_matrix *c, const small_matrix *m, real s
         for (int k = 0; k < 3; k++) {
             const real column[3] = {m->at[0][k], m->at[1][k], m->at[2][k]};
             const real entry = MUL(scale, row[k]) + MUL(part, c->at[i][k]) - dot_rows(along, column);
-            c->at[i][k] = MUL_TO(REAL(1.05), eighth, 8 * entry); /* of a unit vector, but for rounding */
+            c->at[i][k] = MUL_TO(REAL(1.05), factor, 8 * entry); /* of a unit vector, but for rounding */
         }
     }
 }

@@ -32,7 +32,7 @@ from training.run import origin
 
 RESULTS = DOCS / "accuracy" / "columns.json"
 ALONE = "direct: for the column {} alone"  # the name of the recipe
-COLUMNS = [name for name in ("gt", "n10", "cpm") if ALONE.format(name) in ABLATIONS]
+COLUMNS = ("gt", "n10", "cpm")
 FIGURES = ("error", "camera_axes")
 
 
@@ -45,7 +45,9 @@ def figures(library: Library, motions: list[Motion], column: str) -> dict[str, F
     return chosen(rounded(found), FIGURES)
 
 
-def reach(column: str, train: list[Motion], test: list[Motion], args: Any) -> dict[str, Any]:
+def reach(
+    column: str, train: list[Motion], test: list[Motion], args: argparse.Namespace
+) -> dict[str, Any]:
     """What the network for a column reaches there, and the one for all columns."""
     weights = args.out / f"direct_{column}.npz"
     recipe = scale_epochs(ABLATIONS[ALONE.format(column)], args.epochs)

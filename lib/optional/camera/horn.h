@@ -1,6 +1,6 @@
 /* Absolute orientation: the rotation that brings points best onto others (Horn, "Closed-form solution of absolute
- * orientation using unit quaternions", 1987).  lift/align.h has a faster way, which refuses flat points that are nearest to
- * a reflection; here they are those of a person.
+ * orientation using unit quaternions", 1987).  lift/align.h has a faster way, to a rotation or a reflection,
+ * whichever is nearer.  A placement needs a rotation, also where a reflection is nearer.
  *
  * SPDX-License-Identifier: MIT
  */
