@@ -8,6 +8,8 @@
 
 #include "../geometry/vector.h"
 
+#include SYMMETRIC
+
 #define LONGEST_REFLECTOR REAL(1.415) /* root of 2, and rounding */
 
 enum { ORDER = EDML_JOINTS - 1, TRIANGLE = ORDER * (ORDER + 1) / 2 };
@@ -34,36 +36,6 @@ static EDML_NOINLINE real reflect_onto_first(real *x, int m)
     return SHIFT_TO(REAL(62.0), negative ? norm : -norm, -bits); /* no row is longer than the matrix */
 }
 
-/* product = A w, [m]; a: upper triangle of A, row by row.  Sums are within sqrt(2) times the norm of A. */
-static EDML_NOINLINE void multiply(real *product, const real *a, const real *w, int m)
-{
-    for (int i = 0; i < m; i++) {
-        const real *entry = a + i; /* down the column to the diagonal, and then along the row */
-        wide of_row = 0;
-        int j = 0;
-        for (; j < i; entry += m - ++j) of_row += EXACT(*entry, w[j]);
-        for (; j < m; j++) of_row += EXACT(*entry++, w[j]);
-        ASSUME(WITHIN(of_row, EXACT(REAL(45.3), REAL(1.0)))); /* |A w| <= sqrt(2) 32 */
-        product[i] = FROM_EXACT(of_row);
-    }
-}
-
-/* A - w q' - q w' */
-static EDML_NOINLINE void subtract_outer(real *a, const real *w, const real *q, int m)
-{
-    for (int i = 0; i < m; i++) {
-        const real wi = w[i], qi = q[i];
-        int j = i;
-        do { /* no row is empty, and it takes a branch less */
-            const wide both = EXACT(wi, q[j]) + EXACT(qi, w[j]);
-            ASSUME(WITHIN(both, EXACT(REAL(64.0), REAL(1.0)))); /* two entries, each within 32 */
-            *a -= FROM_EXACT(both);
-            ASSUME(WITHIN(*a, REAL(32.0))); /* no eigenvalue is beyond it */
-            a++;
-        } while (++j < m);
-    }
-}
-
 /* a     upper triangle, row by row, of a Frobenius norm n <= 61, which no reflection changes; becomes the
  *       reflections, each behind the diagonal entry of its row
  * band  [ORDER][2] the diagonal, and beside each entry the one off the diagonal; zero beside the last
@@ -71,7 +43,7 @@ static EDML_NOINLINE void subtract_outer(real *a, const real *w, const real *q, 
 static EDML_NOINLINE void tridiagonalise(real *a, real *band)
 {
     for (int m = ORDER - 1; m >= 2; m--) {
-        real q[ORDER];
+        real q[ORDER - 1];
         real *const w = a + 1, *const rest = w + m;
         *band++ = *a;
         *band++ = reflect_onto_first(w, m);

@@ -25,19 +25,22 @@
 static EDML_NOINLINE void reduced_gram(real gram[TRIANGLE], const real distance[EDML_PAIRS])
 {
     enum { LAST = EDML_JOINTS - 1 };
-    real row_sum[EDML_JOINTS] = {0}, last[EDML_JOINTS] = {0};
+    real row_sum[EDML_JOINTS] = {0}, last[EDML_JOINTS];
     real *g = gram;
+    last[LAST] = 0;
     for (int i = 0; i < LAST; i++) {
+        real of_row = row_sum[i];
         *g++ = 0;
         for (int j = i + 1; j < EDML_JOINTS; j++, distance++) {
             const real entry = -SQUARE(*distance) / 2;
-            row_sum[i] += entry;
+            of_row += entry;
             row_sum[j] += entry;
             if (j < LAST)
                 *g++ = entry;
             else
                 last[i] = entry;
         }
+        row_sum[i] = of_row;
     }
     /* A' = A - u q' - q u', q = p - (u'p / 2h) u, p = A u / h */
     real *const p = row_sum;
@@ -111,34 +114,38 @@ static void to_points(point y[ORDER], real *a, real *vector, int order)
     }
 }
 
+/* From the basis after the sweeps to that before; done: behind their last rotation. */
+static EDML_NOINLINE void undo_sweeps(point y[ORDER], const edml_plane_rotation *done, const int sweeps[3])
+{
+    for (int k = 2; k >= 0; k--)
+        for (int n = sweeps[k]; n > 0; n--)
+            for (int i = k; i < ORDER - 1; i++) rotate_points(&y[i + 1], &y[i], *--done);
+}
+
 /* y: the three largest eigenvectors of the Gram matrix, in this way; 0: not found.  The sweeps leave next to
  * nothing beside the diagonal of the leading 3 x 3 matrix; Jacobi's rotations take that as well. */
 static int three_largest(point y[ORDER], real *gram, real *band, edml_plane_rotation *done)
 {
-    real scale = REAL(1.0), value[3], beside[3];
+    real scale = REAL(1.0);
     int sweeps[3];
     tridiagonalise(gram, band);
     for (int k = 0; k < 3; k++) {
-        real norm;
-        if (!split_largest(&norm, done, &sweeps[k], most_sweeps[k], band + 2 * k, ORDER - k)) return 0;
+        real norm, *const rest = band + 2 * k;
+        if (!split_largest(&norm, done, &sweeps[k], most_sweeps[k], rest, ORDER - k)) return 0;
         /* of the first band; the rest of a band of norm 1 has less */
         scale = MUL_TO(REAL(62.0), scale, norm);
         done += sweeps[k] * (ORDER - 1 - k);
-        value[k] = MUL_TO(MOST_SPREAD, scale, band[2 * k]); /* entries of the matrix, turned */
-        beside[k] = MUL_TO(MOST_SPREAD, scale, band[2 * k + 1]);
+        rest[0] = MUL_TO(MOST_SPREAD, scale, rest[0]); /* entries of the matrix, turned */
+        rest[1] = MUL_TO(MOST_SPREAD, scale, rest[1]);
     }
     real *const leading = band, *const vector = band + 6; /* the band has been read */
-    leading[0] = value[0];
-    leading[1] = beside[0];
+    leading[5] = band[4];
+    leading[4] = band[3];
+    leading[3] = band[2];
     leading[2] = 0;
-    leading[3] = value[1];
-    leading[4] = beside[1];
-    leading[5] = value[2];
     diagonalise(leading, vector, 3);
     to_points(y, leading, vector, 3);
-    for (int k = 2; k >= 0; k--)
-        for (int n = sweeps[k]; n > 0; n--)
-            for (int i = k; i < ORDER - 1; i++) rotate_points(&y[i + 1], &y[i], *--done);
+    undo_sweeps(y, done, sweeps);
     undo_reflections(y, gram);
     return 1;
 }

@@ -91,7 +91,7 @@ static real laguerre_step(const minors *f, const minors *slope, const minors *cu
 }
 
 /* Largest eigenvalue of a matrix of norm 1, from above; where many nearly coincide, it may be wrong. */
-static real largest_eigenvalue(const real *band, int n)
+static EDML_NOINLINE real largest_eigenvalue(const real *band, int n)
 {
     const real share = DIV((real)(2 * n), (real)(n - 1));
     real x = REAL(1.0);

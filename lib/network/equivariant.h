@@ -21,6 +21,7 @@
 #include "checksum.h"
 #include "rows.h"
 
+#include ENDS
 #include UNITS
 
 /* [0] what even inputs, [1] what odd ones add to the sums of rows, the first of them `row`: their sum is that
@@ -38,26 +39,6 @@ static void activate_layer(activation *y, const layer_inputs *in, const dense_la
         value sum[2][ROWS];
         sum_parts(sum, in, layer, row, rows);
         activate_rows(y + row, sum, layer, row, rows, count);
-    }
-}
-
-/* Inputs, and zero for those that fill up. */
-static int read_inputs(activation *x, const value *in, int inputs)
-{
-    const int filled = (inputs + CHUNK - 1) / CHUNK * CHUNK;
-    for (int k = 0; k < filled; k++) x[k] = k < inputs ? (activation)signed_input(in[k]) : 0;
-    return filled;
-}
-
-/* What the last layer gives of some rows, and of their mirror rows `count` further on. */
-static EDML_NOINLINE void give_rows(value *out, value sum[2][ROWS], const dense_layer *last, int row,
-                                    int rows, int count)
-{
-    const dense_layer layer = *last; /* nothing of which depends on `out` */
-    for (int k = 0; k < rows; k++) {
-        const value even = sum[0][k], odd = sum[1][k];
-        out[k] = signed_output(even + odd, &layer, row + k);
-        out[count + k] = signed_output(even - odd, &layer, row + k);
     }
 }
 

@@ -5,7 +5,7 @@
 #include "../number/real_f32.h"
 #include "model.h"
 
-#define ONE_Q24 16777216.0F
+#include Q24
 
 void edml__run_network(const edml_model *model, void *memory)
 {
@@ -16,8 +16,7 @@ void edml__run_network(const edml_model *model, void *memory)
         model->predict_f32(values, values, model, &network->units);
         return;
     }
-    const int inputs = model->inputs, outputs = edml__output_values(model);
-    for (int k = 0; k < inputs; k++) integers[k] = (int32_t)(values[k] * ONE_Q24); /* below 12 */
+    to_q24(integers, values, model->inputs);
     model->predict_q(integers, integers, model, &network->units);
-    for (int k = 0; k < outputs; k++) values[k] = (float)integers[k] / ONE_Q24;
+    from_q24(values, integers, edml__output_values(model));
 }

@@ -9,6 +9,7 @@
  *                      network's outputs come, and for the last layer where units of another would be
  *   SUM_ROWS           the header that has sum_rows() of rows.h
  *   UNITS              the header that has activate_rows() of units_by_row.h
+ *   ENDS               the header that has read_inputs() and give_rows() of ends_by_value.h
  *   network_input()    a distance of the EDM, as the network reads it
  *   signed_input()     a number within +-8, as the network reads it
  *   activate()         what a row's sum becomes behind the ReLU: in integers, of so many bits
@@ -63,6 +64,7 @@ static inline float mean_output(float a, float b, const dense_layer *layer)
 #define HASH_MULTIPLIERS(hash, layer, rows) (void)0
 
 #define UNITS "units_by_row.h"
+#define ENDS "ends_by_value.h"
 enum { CHUNK = 1, OWN_LIST = 1 };
 #define OTHER_UNITS(scratch, out) (out)
 #if defined(__GNUC__) && (defined(__SSE2__) || defined(__aarch64__) || defined(__wasm_simd128__))

@@ -71,6 +71,7 @@ enum { CHUNK = EDML_CHUNK, OWN_LIST = 0 };
 #elif defined(__ARM_FEATURE_MVE) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
 #define SUM_ROWS "rows_mve.h"
 #define UNITS "units_mve.h"
+#define ENDS "ends_mve.h"
 #elif defined(__SSE2__) || defined(__wasm_simd128__)
 #define SUM_ROWS "rows_i16x8.h"
 #else
@@ -85,6 +86,9 @@ enum { CHUNK = EDML_CHUNK, OWN_LIST = 0 };
 
 #ifndef UNITS
 #define UNITS "units_by_row.h"
+#endif
+#ifndef ENDS
+#define ENDS "ends_by_value.h"
 #endif
 
 #if defined(EDML_BLOCKS_BY_ROW) || defined(EDML_BLOCKS_BY_PAIR)

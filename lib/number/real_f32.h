@@ -17,6 +17,8 @@
  *   SATURATE      a sum of PRODUCTs as a real, clamped to +-64
  *   IS_NEAR       is a squared distance below 64 m^2?  Beyond that a sum is WIDE_MAX, above all sums
  *   INLINE_PRODUCTS  a function that is inline where a product is an instruction
+ *   SYMMETRIC     the header that has the products with a symmetric matrix
+ *   Q24           the header that converts to integers and back
  *   EPSILON       what rounding may leave of a zero, absolutely; a float's rounding is relative
  *
  * Of ranges in fixed point, which docs/proof.md proves:
@@ -89,5 +91,16 @@ typedef float wide;
 #define ALL_WITHIN(p, most) (WITHIN((p).x, most) && WITHIN((p).y, most) && WITHIN((p).z, most))
 #define ASSERT(condition) ((void)0)
 #define ASSUME(condition) ((void)0)
+
+#if defined(__ARM_FEATURE_MVE) && (__ARM_FEATURE_MVE & 2) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
+#define SYMMETRIC "symmetric_mve.h"
+#define Q24 "q24_mve.h"
+#elif defined(__GNUC__) && defined(__ARM_FP) && defined(__thumb2__)
+#define SYMMETRIC "symmetric_vfp.h"
+#define Q24 "q24_by_value.h"
+#else
+#define SYMMETRIC "symmetric.h"
+#define Q24 "q24_by_value.h"
+#endif
 
 #endif

@@ -21,6 +21,7 @@ CONSTANTS = {
 # What a count is at most, by the file that has it.
 COUNTS = {
     "householder.h": {"m": ORDER - 1},
+    "symmetric.h": {"m": ORDER - 1},
     "tridiagonal.h": {"n": ORDER},
     "real_q24.h": {"n": 2 * ORDER},  # a band
 }
@@ -160,7 +161,7 @@ def facts_of(name: str, variant: str, preset: str) -> Facts:
     """Of a lift by a model, "distances" or "direct", in a variant, "f32" or "fixed", on a core."""
     model = read_model(name, "f32" if variant == "f32" else "w16")
     never = () if name == "distances" else ("edml_mds", "edml_align", "edml_mds_q", "edml_align_q")
-    totals = [*network_totals(model), *kernel_totals(model, preset), *mds_totals()]
+    totals = [*network_totals(model), *kernel_totals(model, preset), *mds_totals(model, preset)]
     return Facts(model, never, totals)
 
 
@@ -211,23 +212,54 @@ def network_totals(model: Model) -> list[tuple[dict[str, int], int]]:
     return [
         ({"equivariant.h: for (int n = 1; n < model->layer_count": 1}, layers),
         ({"units_by_row.h: for (int k = 0; k < rows; k++)": 1}, 8 * groups),
-        ({"equivariant.h: for (int k = 0; k < rows; k++)": 1}, 8 * groups),
-        ({"equivariant.h: for (int k = 0; k < filled; k++)": 1}, inputs[0]),
+        ({"ends_by_value.h: for (int k = 0; k < rows; k++)": 1}, 8 * groups),
+        ({"ends_by_value.h: for (; k ": 1}, inputs[0]),
+        ({"ends_mve.h: for (int k = 0; k < rows; k += 4)": 1}, 2 * groups),
+        ({"ends_mve.h: for (int k = 0; k < inputs; k += 4)": 1}, inputs[0] // 4),
         ({"rows_some_inputs.h: for (int i = from; i < to; i++)": 1}, sum(inputs)),
         ({"predict_f32.c: ": 1}, 0 if model.is_float else 2 * inputs[0]),
         ({"predict.h: for (int": 1}, 0),  # both models read coordinates
     ]
 
 
-def mds_totals() -> list[tuple[dict[str, int], int]]:
+def mds_totals(model: Model, preset: str) -> list[tuple[dict[str, int], int]]:
     """A lift scales once: the reflections' orders are 12, 11 to 2."""
     orders = range(2, ORDER)
     square, minors = sum(m * m for m in orders), 3 * CONSTANTS["MOST_STEPS"] * (ORDER - 1)
     normalised = sum(orders) + 2 * (13 + 12 + 11) + 2 * 3 * minors + 2 * 3 * 12 + 3 * 3 * 24
+    kernels = {"cortex-m4f": symmetric_vfp_totals, "cortex-m55": symmetric_mve_totals}
     return [
-        ({"householder.h: for (; j < i;": 1, "householder.h: for (; j < m;": 1}, square),
-        ({"householder.h: } while (++j < m);": 1}, (square + sum(orders)) // 2),
+        *(kernels[preset]() if model.is_float and preset in kernels else ()),
+        ({"symmetric.h: for (; j < i;": 1, "symmetric.h: for (; j < m;": 1}, square),
+        ({"symmetric.h: } while (++j < m);": 1}, (square + sum(orders)) // 2),
         # bands, vectors, minors and their derivatives
         ({"real_q24.h: for (int i = 0; i < n; i++) bits": 1}, normalised),
         ({"real_q24.h: for (int i = 0; i < n; i++) x[i]": 1}, normalised),
+    ]
+
+
+def symmetric_vfp_totals() -> list[tuple[dict[str, int], int]]:
+    """Of symmetric_vfp.h: rows, four entries at a time, and what is left of a row."""
+    rows = [n for m in range(2, ORDER) for n in range(1, m + 1)]  # entries of each
+    return [
+        ({"multiply: 0": 1}, len(rows)),
+        ({"multiply: 1": 1}, len(rows)),
+        ({"multiply: 2": 1}, sum((n - 1) // 4 for n in rows)),  # without the diagonal
+        ({"multiply: 3": 1}, sum((n - 1) % 4 for n in rows)),
+        ({"subtract_outer: 0": 1}, len(rows)),
+        ({"subtract_outer: 1": 1}, sum(n // 4 for n in rows)),
+        ({"subtract_outer: 2": 1}, sum(n % 4 for n in rows)),
+    ]
+
+
+def symmetric_mve_totals() -> list[tuple[dict[str, int], int]]:
+    """Of symmetric_mve.h: four rows at a time, and four entries."""
+    groups = [(m, i) for m in range(2, ORDER) for i in range(0, m, 4)]
+    rows = [n for m in range(2, ORDER) for n in range(1, m + 1)]
+    return [
+        ({"multiply: 0": 1}, len(groups)),
+        ({"multiply: 1": 1}, sum(i + 1 for _, i in groups)),
+        ({"multiply: 2": 1}, sum(max(0, m - 3 - i) for m, i in groups)),
+        ({"subtract_outer: 0": 1}, len(rows)),
+        ({"subtract_outer: 1": 1}, sum(ceil(n / 4) for n in rows)),
     ]
