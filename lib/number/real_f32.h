@@ -93,14 +93,14 @@ typedef float wide;
 #define ASSUME(condition) ((void)0)
 
 #if defined(__ARM_FEATURE_MVE) && (__ARM_FEATURE_MVE & 2) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
-#define SYMMETRIC "symmetric_mve.h"
-#define Q24 "q24_mve.h"
+#define SYMMETRIC "../lift/symmetric_mve.h"
+#define Q24 "../network/q24_mve.h"
 #elif defined(__GNUC__) && defined(__ARM_FP) && defined(__thumb2__)
-#define SYMMETRIC "symmetric_vfp.h"
-#define Q24 "q24_by_value.h"
+#define SYMMETRIC "../lift/symmetric_vfp.h"
+#define Q24 "../network/q24_by_value.h"
 #else
-#define SYMMETRIC "symmetric.h"
-#define Q24 "q24_by_value.h"
+#define SYMMETRIC "../lift/symmetric.h"
+#define Q24 "../network/q24_by_value.h"
 #endif
 
 #endif

@@ -17,7 +17,7 @@ typedef int32_t real;
 typedef int64_t wide;
 
 #define INLINE_PRODUCTS EDML_INLINE_PRODUCTS
-#define SYMMETRIC "symmetric.h"
+#define SYMMETRIC "../lift/symmetric.h"
 /* Folded by the compiler; a long constant stays what it is under -fsingle-precision-constant. */
 #define REAL(constant) ((real)(constant##L * 16777216.0L + 0.5L))
 #define Q12(a) ((real)(a) * 4096)
