@@ -25,8 +25,7 @@ static inline int32_t network_input(int32_t distance)
 /* From Q24 within +-8 to Q12, to the nearest; -32768 to 32767. */
 static inline int32_t signed_input(int32_t number)
 {
-    const int32_t rounded = ((number >> (EDML_INPUT_SHIFT - 1)) + 1) >> 1;
-    return rounded < 32767 ? rounded : 32767;
+    return edml__round_to_16_bits(number, EDML_INPUT_SHIFT);
 }
 
 /* A row's sum behind the ReLU, times multiplier / 2^32, to the nearest, below 2^bits. */

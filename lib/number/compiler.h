@@ -16,6 +16,7 @@
  * EDML_COUNT_ZEROS  before the highest bit of a word, where the processor has an instruction for it
  * EDML_HIGH_PRODUCT high = (a b + 2^31) >> 32, the same
  * EDML_SATURATE     y = x limited to 0 to 2^bits - 1, the same
+ * EDML_HALVE_TO_16_BITS  y = x >> 1 limited to 16 bits, the same
  * EDML_WEAK         a function that is NULL unless something else links it
  * EDML_INTERNAL     shared by the library's files, and not exported from a shared library */
 #ifdef __GNUC__
@@ -39,6 +40,7 @@
 #endif
 #if defined(__ARM_FEATURE_SAT) && defined(__thumb2__) && defined(__OPTIMIZE__) /* else bits are no constant */
 #define EDML_SATURATE(y, bits, x) __asm__("usat %0, %1, %2" : "=r"(y) : "I"(bits), "r"(x) : "cc")
+#define EDML_HALVE_TO_16_BITS(y, x) __asm__("ssat %0, #16, %1, asr #1" : "=r"(y) : "r"(x) : "cc")
 #endif
 #define EDML_IS_ALIGNED4(pointer) (((uintptr_t)(pointer) & 3) == 0)
 #if defined(__GNUC__) && (defined(__ELF__) || defined(__clang__))

@@ -57,6 +57,20 @@ static EDML_INLINE int32_t edml__saturate(int32_t x, int bits)
 #endif
 }
 
+/* x / 2^shift to the nearest, halves up, limited to 16 bits. */
+static EDML_INLINE int32_t edml__round_to_16_bits(int32_t x, int shift)
+{
+    const int32_t twice = (x >> (shift - 1)) + 1;
+#ifdef EDML_HALVE_TO_16_BITS
+    int32_t y;
+    EDML_HALVE_TO_16_BITS(y, twice);
+    return y;
+#else
+    const int32_t rounded = twice >> 1;
+    return rounded < INT16_MIN ? INT16_MIN : rounded < INT16_MAX ? rounded : INT16_MAX;
+#endif
+}
+
 /* Zeros before the highest bit of n > 0. */
 #ifdef EDML_COUNT_ZEROS
 static inline int edml__leading_zeros(uint32_t n) { return EDML_COUNT_ZEROS(n); }

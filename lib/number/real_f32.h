@@ -97,7 +97,7 @@ typedef float wide;
 #define Q24 "../network/q24_mve.h"
 #elif defined(__GNUC__) && defined(__ARM_FP) && defined(__thumb2__)
 #define SYMMETRIC "../lift/symmetric_vfp.h"
-#define Q24 "../network/q24_by_value.h"
+#define Q24 "../network/q24_vfp.h"
 #else
 #define SYMMETRIC "../lift/symmetric.h"
 #define Q24 "../network/q24_by_value.h"

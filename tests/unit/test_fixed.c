@@ -186,6 +186,21 @@ static void the_largest_number_is_normalised_to_a_half_up_to_one(void)
     TEST_ASSERT_EQUAL_INT(0, normalise_q24(none, 2));
 }
 
+static void numbers_of_16_bits_are_the_nearest_halves_up_and_limited(void)
+{
+    static const int32_t ends[] = {INT32_MIN, INT32_MIN + 1, -(1 << 27) - 2049, -(1 << 27), (1 << 27) - 2049,
+                                   (1 << 27) - 2048, INT32_MAX - 1, INT32_MAX};
+    rng r = rng_seed(67);
+    for (int n = 0; n < 20000; n++) {
+        const int32_t x = n < 8 ? ends[n] : (int32_t)rng_bits(&r) >> n % 31;
+        const int64_t exact = ((int64_t)x + 2048) >> 12;
+        const int64_t limited = exact > 32767 ? 32767 : exact < -32768 ? -32768 : exact;
+        TEST_ASSERT_EQUAL_INT32(limited, edml__round_to_16_bits(x, 12));
+    }
+    TEST_ASSERT_EQUAL_INT32(0, edml__round_to_16_bits(-2048, 12));
+    TEST_ASSERT_EQUAL_INT32(1, edml__round_to_16_bits(2048, 12));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -202,5 +217,6 @@ int main(void)
     RUN_TEST(rates_end_at_64_a_second);
     RUN_TEST(shifts_are_products_by_powers_of_two);
     RUN_TEST(the_largest_number_is_normalised_to_a_half_up_to_one);
+    RUN_TEST(numbers_of_16_bits_are_the_nearest_halves_up_and_limited);
     return UNITY_END();
 }
