@@ -562,6 +562,7 @@ static void signed_integers_are_rounded_and_limited_on_either_side(void)
     check_sum(&exact, 2048, -2049, 0, 2);
     check_sum(&exact, 8 * ONE, 0, 32767, 32767); /* inputs end at 32767 ... */
     check_sum(&exact, -8 * ONE, 0, -32768, -32768);
+    check_sum(&exact, -9 * ONE, 0, -32768, -32768);
     const edml_model eighth = sum_w16(0, 3 << 14, 17); /* y = 3/8 x */
     check_sum(&eighth, 4 << 12, 0, 2, 2);              /* 1.5: halves up */
     check_sum(&eighth, -(4 << 12), 0, -1, -1);
