@@ -138,7 +138,8 @@ static int three_largest(point y[ORDER], real *gram, real *band, edml_plane_rota
         rest[0] = MUL_TO(MOST_SPREAD, scale, rest[0]); /* entries of the matrix, turned */
         rest[1] = MUL_TO(MOST_SPREAD, scale, rest[1]);
     }
-    real *const leading = band, *const vector = band + 6; /* the band has been read */
+    /* The band has been read, and its first entry and the one beside it are where they belong. */
+    real *const leading = band, *const vector = band + 6;
     leading[5] = band[4];
     leading[4] = band[3];
     leading[3] = band[2];

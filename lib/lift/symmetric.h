@@ -1,4 +1,4 @@
-/* Products with a symmetric matrix A of order m, of which `a` has the upper triangle, row by row.
+/* Products with a symmetric matrix A of order m <= 12, of which `a` has the upper triangle, row by row.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -7,7 +7,8 @@
 
 #include "../geometry/vector.h"
 
-/* product = A w, [m].  Sums are within sqrt(2) times the norm of A. */
+/* product = A w, with room for 12, because some processors write four at a time, and read behind a.  Sums are within
+ * sqrt(2) times the norm of A. */
 static EDML_NOINLINE void multiply(real *product, const real *a, const real *w, int m)
 {
     for (int i = 0; i < m; i++) {
