@@ -8,7 +8,13 @@
 
 #include "../geometry/vector.h"
 
-#include SYMMETRIC
+#if BY_HELIUM
+#include "symmetric_mve.h"
+#elif BY_VFP
+#include "symmetric_vfp.h"
+#else
+#include "symmetric.h"
+#endif
 
 #define LONGEST_REFLECTOR REAL(1.415) /* root of 2, and rounding */
 

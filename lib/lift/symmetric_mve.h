@@ -10,7 +10,7 @@
 
 /* clang-format off */
 
-/* Lane l of q2 is l (m - i - 1) - l (l - 1) / 2. */
+/* q2: how far each lane's own row is behind row i in a column, l (m - i - 1) - l (l - 1) / 2 for lane l. */
 #define FIND_OWN_ROWS                                   \
     "    movs       r12, #0\n"                          \
     "    vidup.u32  q1, r12, #1\n"                      \
@@ -20,7 +20,7 @@
     "    vshr.u32   q4, q4, #1\n"                       \
     "    vsub.i32   q2, q2, q4\n"
 
-/* Rows i + 1 and i + 2, below whose diagonal some of the rows of multiply() already are: those of the first lanes. */
+/* Columns i + 1 and i + 2: the first lanes read their own rows, the others still row j. */
 #define ADD_AROUND_DIAGONAL(own_lanes)                  \
     "    movw       r12, #" own_lanes "\n"              \
     "    vmsr       p0, r12\n"                          \

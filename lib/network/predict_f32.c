@@ -5,7 +5,13 @@
 #include "../number/real_f32.h"
 #include "model.h"
 
-#include Q24
+#if BY_HELIUM
+#include "q24_mve.h"
+#elif BY_VFP
+#include "q24_vfp.h"
+#else
+#include "q24_by_value.h"
+#endif
 
 void edml__run_network(const edml_model *model, void *memory)
 {

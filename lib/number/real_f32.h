@@ -17,8 +17,7 @@
  *   SATURATE      a sum of PRODUCTs as a real, clamped to +-64
  *   IS_NEAR       is a squared distance below 64 m^2?  Beyond that a sum is WIDE_MAX, above all sums
  *   INLINE_PRODUCTS  a function that is inline where a product is an instruction
- *   SYMMETRIC     the header that has the products with a symmetric matrix
- *   Q24           the header that converts to integers and back
+ *   BY_HELIUM BY_VFP  1 where texts in the words of a Cortex-M's Helium or FPU compute with reals, else 0
  *   EPSILON       what rounding may leave of a zero, absolutely; a float's rounding is relative
  *
  * Of ranges in fixed point, which docs/proof.md proves:
@@ -93,14 +92,14 @@ typedef float wide;
 #define ASSUME(condition) ((void)0)
 
 #if defined(__ARM_FEATURE_MVE) && (__ARM_FEATURE_MVE & 2) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
-#define SYMMETRIC "../lift/symmetric_mve.h"
-#define Q24 "../network/q24_mve.h"
+#define BY_HELIUM 1
+#define BY_VFP 0
 #elif defined(__GNUC__) && defined(__ARM_FP) && defined(__thumb2__)
-#define SYMMETRIC "../lift/symmetric_vfp.h"
-#define Q24 "../network/q24_vfp.h"
+#define BY_HELIUM 0
+#define BY_VFP 1
 #else
-#define SYMMETRIC "../lift/symmetric.h"
-#define Q24 "../network/q24_by_value.h"
+#define BY_HELIUM 0
+#define BY_VFP 0
 #endif
 
 #endif

@@ -17,7 +17,8 @@ typedef int32_t real;
 typedef int64_t wide;
 
 #define INLINE_PRODUCTS EDML_INLINE_PRODUCTS
-#define SYMMETRIC "../lift/symmetric.h"
+#define BY_HELIUM 0
+#define BY_VFP 0
 /* Folded by the compiler; a long constant stays what it is under -fsingle-precision-constant. */
 #define REAL(constant) ((real)(constant##L * 16777216.0L + 0.5L))
 #define Q12(a) ((real)(a) * 4096)

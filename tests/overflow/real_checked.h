@@ -18,7 +18,8 @@ typedef checked<int64_t> wide;
 #define REAL(constant) real::from((__int128)(constant##L * 16777216.0L + 0.5L))
 #define Q12(a) (real(a) * 4096)
 #define INLINE_PRODUCTS EDML_INLINE
-#define SYMMETRIC "../lift/symmetric.h"
+#define BY_HELIUM 0
+#define BY_VFP 0
 #define EPSILON 8
 #define MUL(a, b) checked_mul(a, b)
 #define SQUARE(a) MUL(a, a)

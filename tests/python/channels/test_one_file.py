@@ -21,11 +21,13 @@ PROGRAM = ROOT / "tests" / "targets" / "bits.c"
 TOOL = ROOT / "tools" / "amalgamate"
 BITS = (ROOT / "tests" / "bits.txt").read_text().splitlines(keepends=True)
 DIRECT = ["direct_f32", "direct_w16", "direct_w8"]
+DISTANCES = ["distances_f32", "distances_w16", "distances_w8"]
 OTHERS = ["distances_f32", "distances_w16", "fconn_f32"]  # which the rest of bits.c names
 WARNINGS = ["-Wall", "-Wextra", "-Werror"]
 
 
 DIRECT_BITS = "".join(line for line in BITS if "direct" in line)  # -DPARTS=2
+DISTANCES_BITS = "".join(line for line in BITS if "distances" in line)  # -DPARTS=1
 MOST_BITS = "".join(line for line in BITS if not re.search("distances|fconn", line))  # 26
 
 
@@ -82,6 +84,15 @@ def test_cpp_and_clang_give_the_same_bits(command: str, direct: Path, tmp_path: 
 @pytest.mark.parametrize("core", ["cortex-m4f", "rv32imc"])
 def test_a_core_gives_the_same_bits(core: str, direct: Path, tmp_path: Path) -> None:
     assert run_firmware(PROGRAM, TARGETS[core], tmp_path, [direct], "-DPARTS=2") == DIRECT_BITS
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("core", ["cortex-m4f", "cortex-m55"])
+def test_the_fixed_scaling_is_not_in_the_words_of_an_fpu(core: str, tmp_path: Path) -> None:
+    """The float one beside it is."""
+    amalgamate(DISTANCES, ["float", "fixed"], tmp_path)
+    files = [tmp_path / "edmlift.c"]
+    assert run_firmware(PROGRAM, TARGETS[core], tmp_path, files, "-DPARTS=1") == DISTANCES_BITS
 
 
 # ---- As what it compiles, and what is in it ------------------------------------------------------
