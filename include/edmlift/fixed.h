@@ -60,8 +60,9 @@ typedef struct {
     struct {
         int32_t values[196];
     } io;
-    struct {
+    union {
         int16_t layers[2][192]; /* no fully connected layer has more */
+        int32_t list[196];      /* of what the last layer reads, on some processors */
     } units;
 } edml_network_work_q;
 

@@ -38,6 +38,7 @@ typedef struct { /* of the network */
     union {
         float layer[192]; /* no fully connected layer has more */
         int16_t layers[2][192];
+        int32_t list[196]; /* of what the last layer reads, on some processors */
     } units;
 } edml_network_work;
 

@@ -13,10 +13,10 @@ static inline int is_seen(uint16_t seen, int j) { return seen >> j & 1; }
 
 static inline uint16_t seen_joints(const edml_keypoint in[])
 {
-    uint16_t seen = 0;
+    unsigned seen = 0;
     for (int j = 0; j < EDML_JOINTS; j++)
-        if (in[j].c > 0) seen = (uint16_t)(seen | 1U << j);
-    return seen;
+        if (in[j].c > 0) seen |= 1U << j;
+    return (uint16_t)seen;
 }
 
 /* Bits beyond the joints do not count. */

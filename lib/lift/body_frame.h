@@ -50,6 +50,12 @@ static int on_a_line(const edml_image_point at[EDML_JOINTS], uint16_t seen)
 /* NaN -> -limit, which no imputation gives */
 static real clamp_real(real a, real limit) { return a < limit ? (a > -limit ? a : -limit) : limit; }
 
+static void clamp_point(edml_image_point *p, real limit)
+{
+    p->u = clamp_real(p->u, limit);
+    p->v = clamp_real(p->v, limit);
+}
+
 static edml_image_point image_middle(edml_image_point a, edml_image_point b)
 {
     const edml_image_point middle = {(a.u + b.u) / 2, (a.v + b.v) / 2};
@@ -106,8 +112,11 @@ static void centre_and_scale(edml_image *image, uint16_t known)
     ASSERT(scale <= REAL(3.71));
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!is_seen(known, j)) continue;
-        image->at[j].u = clamp_real(MUL(scale, image->at[j].u - mean), FARTHEST);
-        image->at[j].v = clamp_real(MUL(scale, image->at[j].v - middle), FARTHEST);
+        edml_image_point *const at = &image->at[j];
+        at->u = MUL(scale, at->u - mean);
+        at->v = MUL(scale, at->v - middle);
+        if (!is_seen(image->seen, j)) clamp_point(at, FARTHEST);
+        ASSUME(WITHIN(at->u, FARTHEST) && WITHIN(at->v, FARTHEST)); /* a seen joint: within WIDEST and 1 */
     }
 }
 
@@ -131,10 +140,8 @@ static edml_status to_body_frame(edml_image *image, const edml_keypoint in[EDML_
     if (on_a_line(at, seen)) return EDML_ERR_DEGENERATE;
     if (imputation != NULL) {
         if (!impute(at, seen, imputation, scratch)) return EDML_ERR_DEGENERATE;
-        for (int j = 0; j < EDML_JOINTS; j++) {
-            at[j].u = clamp_real(at[j].u, FARTHEST);
-            at[j].v = clamp_real(at[j].v, FARTHEST);
-        }
+        for (int j = 0; j < EDML_JOINTS; j++)
+            if (!is_seen(seen, j)) clamp_point(&at[j], FARTHEST);
         image->down = body_axis(at);
         turn_down(at, image->down);
     }

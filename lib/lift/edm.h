@@ -9,10 +9,14 @@
 
 void edml_edm(real edm[EDML_PAIRS], const edml_image *image)
 {
-    const edml_image_point *at = image->at;
-    for (int i = 0; i < EDML_JOINTS; i++)
-        for (int j = i + 1; j < EDML_JOINTS; j++) /* |u|, |v| <= 7.8: distances up to 11.1 */
-            *edm++ = HYPOT(at[i].u - at[j].u, at[i].v - at[j].v);
+    const edml_image_point *const last = image->at + EDML_JOINTS - 1;
+    for (const edml_image_point *at = image->at; at < last; at++) {
+        const edml_image_point p = *at, *q = at; /* no distance changes p */
+        do {
+            q++;
+            *edm++ = HYPOT(p.u - q->u, p.v - q->v); /* |u|, |v| <= 7.8: distances up to 11.1 */
+        } while (q < last);
+    }
 }
 
 #endif

@@ -10,10 +10,13 @@
 
 #if BY_HELIUM
 #include "symmetric_mve.h"
+#include "turn_points_vfp.h"
 #elif BY_VFP
 #include "symmetric_vfp.h"
+#include "turn_points_vfp.h"
 #else
 #include "symmetric.h"
+#include "turn_points.h"
 #endif
 
 #define LONGEST_REFLECTOR REAL(1.415) /* root of 2, and rounding */
@@ -66,26 +69,6 @@ static EDML_NOINLINE void tridiagonalise(real *a, real *band)
     band[1] = a[1];
     band[2] = a[2];
     band[3] = 0;
-}
-
-static EDML_NOINLINE void reflect_points(point *y, const real *w, int m)
-{
-    wide x_along = 0, y_along = 0, z_along = 0;
-    for (int i = 0; i < m; i++) {
-        x_along += EXACT(w[i], y[i].x);
-        y_along += EXACT(w[i], y[i].y);
-        z_along += EXACT(w[i], y[i].z);
-    }
-    /* 1.415 * 5.7: rows of coordinates are no longer than the root of an eigenvalue */
-    ASSUME(WITHIN(x_along, EXACT(REAL(8.1), REAL(1.0))) && WITHIN(y_along, EXACT(REAL(8.1), REAL(1.0))) &&
-           WITHIN(z_along, EXACT(REAL(8.1), REAL(1.0))));
-    const point along = {FROM_EXACT(x_along), FROM_EXACT(y_along), FROM_EXACT(z_along)};
-    for (int i = 0; i < m; i++) {
-        y[i].x -= MUL(w[i], along.x);
-        y[i].y -= MUL(w[i], along.y);
-        y[i].z -= MUL(w[i], along.z);
-        ASSUME(ALL_WITHIN(y[i], REAL(5.71))); /* a reflection changes no length */
-    }
 }
 
 /* From the basis of the tridiagonal matrix to that of the matrix before, each coordinate of y [ORDER]. */

@@ -65,12 +65,14 @@ typedef struct {
 
 static void add_distances(input_ends *end, const real edm[EDML_PAIRS])
 {
-    for (int k = 0; k < MIRROR_PAIRS; k++) {
+    int k = 0;
+    for (; k < MIRROR_PAIRS - SELF_MIRRORED; k++) {
         const real first = soften(edm[mirror_pairs[k][0]]) - MIDDLE_SOFT;
         const real second = soften(edm[mirror_pairs[k][1]]) - MIDDLE_SOFT;
         *end->even++ = first + second;
-        if (k < MIRROR_PAIRS - SELF_MIRRORED) *end->odd++ = first - second;
+        *end->odd++ = first - second;
     }
+    for (; k < MIRROR_PAIRS; k++) *end->even++ = 2 * (soften(edm[mirror_pairs[k][0]]) - MIDDLE_SOFT);
 }
 
 /* A number of each joint: sums to one side, differences to the other. */
@@ -145,8 +147,8 @@ static void take_shares(real share[EDML_JOINTS], const real *row, const real *mi
 static void take_distances(real distance[EDML_PAIRS], const real *row, const real *mirror_row)
 {
     for (int k = 0; k < MIRROR_PAIRS; k++) {
-        distance[mirror_pairs[k][1]] = mirror_row[k] > 0 ? mirror_row[k] : 0;
-        distance[mirror_pairs[k][0]] = row[k] > 0 ? row[k] : 0; /* of a pair that is its own: this one */
+        distance[mirror_pairs[k][1]] = POSITIVE_PART(mirror_row[k]);
+        distance[mirror_pairs[k][0]] = POSITIVE_PART(row[k]); /* of a pair that is its own: this one */
     }
 }
 

@@ -117,9 +117,10 @@ static void to_points(point y[ORDER], real *a, real *vector, int order)
 /* From the basis after the sweeps to that before; done: behind their last rotation. */
 static EDML_NOINLINE void undo_sweeps(point y[ORDER], const edml_plane_rotation *done, const int sweeps[3])
 {
-    for (int k = 2; k >= 0; k--)
-        for (int n = sweeps[k]; n > 0; n--)
-            for (int i = k; i < ORDER - 1; i++) rotate_points(&y[i + 1], &y[i], *--done);
+    for (int k = 2; k >= 0; k--) {
+        const int turns = ORDER - 1 - k;
+        for (int n = sweeps[k]; n > 0; n--, done -= turns) undo_sweep(y + k, done, turns);
+    }
 }
 
 /* y: the three largest eigenvectors of the Gram matrix, in this way; 0: not found.  The sweeps leave next to

@@ -152,14 +152,4 @@ static EDML_NOINLINE void sweep(edml_plane_rotation *done, real *band, int n, re
     band[0] = eigenvalue + on_diagonal;
 }
 
-static void rotate_points(point *p, point *q, edml_plane_rotation by)
-{
-    ASSUME(WITHIN(by.cosine, REAL(1.001)) && WITHIN(by.sine, REAL(1.001))); /* the record of sweep() */
-    rotate_pair(&p->x, &q->x, by.cosine, by.sine);
-    rotate_pair(&p->y, &q->y, by.cosine, by.sine);
-    rotate_pair(&p->z, &q->z, by.cosine, by.sine);
-    /* a rotation, of coordinates within 5.7 */
-    ASSUME(ALL_WITHIN(*p, REAL(5.71)) && ALL_WITHIN(*q, REAL(5.71)));
-}
-
 #endif

@@ -1,4 +1,4 @@
-/* dot8.h where weights lie in blocks by row or by pair: by the processor's sum_rows().
+/* dot8.h where weights lie in blocks by row: by the processor's sum_rows().
  *
  * SPDX-License-Identifier: MIT
  */

@@ -42,7 +42,7 @@ static void activate_layer(activation *y, const layer_inputs *in, const dense_la
     }
 }
 
-/* `out` may be `in`, and holds EDML_MAX_UNITS.  Layers write to scratch and to OTHER_UNITS in turn, so that the
+/* `out` may be `in`, and holds EDML_MAX_VALUES.  Layers write to scratch and to OTHER_UNITS in turn, so that the
  * last one reads the scratch. */
 EDML_INTERNAL void WEIGHTS(edml__equivariant)(value *out, const value *in, const edml_model *model,
                                               void *scratch)
@@ -61,7 +61,7 @@ EDML_INTERNAL void WEIGHTS(edml__equivariant)(value *out, const value *in, const
         swap_units(&x, &y);
     }
     const int count = EDML_ROWS * EDML_GROUPS(layer->outputs);
-    const layer_inputs read = take_inputs(x, even, layer, OWN_LIST ? own_list : (uint8_t *)y);
+    const layer_inputs read = take_inputs(x, even, layer, OWN_LIST ? own_list : (uint8_t *)(LIST_IN_PLACE ? x : y));
     for (int row = 0; row < count; row += ROWS) {
         const int rows = rows_from(row, count);
         value sum[2][ROWS];

@@ -7,7 +7,7 @@
 
 #include "weights.h"
 
-/* rows_dsp.h and rows_mve.h read the first three members. */
+/* rows_mve.h reads the first three members. */
 typedef struct {
     const activation *x; /* [even + odd] */
     int even, odd;       /* multiples of CHUNK, but where zeros are left out */

@@ -17,7 +17,7 @@
 
 #include SUM_ROWS
 
-/* x: [layer->inputs], the even ones first; list: room for LISTED. */
+/* x: [layer->inputs], the even ones first; list: room for LISTED, where x is if LIST_IN_PLACE. */
 static layer_inputs take_inputs(activation *x, int even, const dense_layer *layer, uint8_t *list)
 {
     layer_inputs in = {x, even, layer->inputs - even, layer->inputs, NULL};
@@ -32,6 +32,10 @@ static void swap_units(activation **x, activation **y)
     *y = was;
 }
 
-static int rows_from(int row, int count) { return count - row < ROWS ? count - row : ROWS; }
+/* count: a multiple of EDML_ROWS */
+static int rows_from(int row, int count)
+{
+    return (int)ROWS > EDML_ROWS && count - row < ROWS ? count - row : ROWS;
+}
 
 #endif

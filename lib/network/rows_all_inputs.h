@@ -7,7 +7,7 @@
 
 #include "layer_inputs.h"
 
-enum { LISTED = 1 };
+enum { LISTED = 1, LIST_IN_PLACE = 0 };
 
 static inline void list_inputs(layer_inputs *in, activation *x, uint8_t list[LISTED])
 {

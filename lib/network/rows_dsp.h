@@ -1,87 +1,134 @@
 /* rows.h for blocks by pair, in the words of a Cortex-M with the DSP extension, which multiplies two pairs of 16
- * bits at a time: eight rows.  Pairs of inputs that are both zero are left out.  Weights of 8 bits are widened two at
- * a time: the first and the third byte of a word are of one row, the second and the fourth of the next.
+ * bits at a time: eight rows, of the pairs of inputs that are not both zero, which are listed once a layer.  Weights
+ * of 8 bits are widened two at a time: the first and the third byte of a word are of one row, the second and the
+ * fourth of the next.
  *
- *   r0 a pair of x     r1 x, r2 w     r3, r12 weights     r4 to r11 the sums
- *   lr                 16 bits: end of the part; 8 bits: widened weights
+ * A part's list has, for each of its pairs, how many bytes of weights are left out before it, and the pair:
+ *
+ *   out x out x ... out 0
+ *
+ *   r0 a pair of x     r1 list, r2 w     r3, r12, lr weights     r4 to r11 the sums
  *
  * SPDX-License-Identifier: MIT
  */
 #ifndef EDML_ROWS_DSP_H
 #define EDML_ROWS_DSP_H
 
-#include "rows_all_inputs.h"
+#include "layer_inputs.h"
 
-enum { ROWS = EDML_ROWS };
+enum {
+    ROWS = EDML_ROWS,
+    LISTED = 4 * EDML_MAX_VALUES, /* bytes */
+    LIST_IN_PLACE = 1
+};
+
+typedef char lists_hold_all_pairs_and_the_ends_of_two_parts[LISTED >= 4 * (EDML_MAX_UNITS + 4) ? 1 : -1];
 
 /* clang-format off */
 #ifdef EDML_BYTES
+#define BYTES_OF_PAIR "16"
 #define ADD_TWO_ROWS(w, sum, next)              \
     "    sxtb16 lr, " w "\n"                    \
     "    smlad  " sum ", lr, r0, " sum "\n"     \
     "    sxtb16 " w ", " w ", ror #8\n"         \
     "    smlad  " next ", " w ", r0, " next "\n"
-#define ADD_ROWS(pair)                                                          \
-    "    ldrd   r3, r12, [r2, #" pair "*16]\n"                                  \
+#define ADD_ROWS                                                                \
+    "    ldrd   r3, r12, [r2], #8\n"                                            \
     ADD_TWO_ROWS("r3", "r4", "r5") ADD_TWO_ROWS("r12", "r6", "r7")              \
-    "    ldrd   r3, r12, [r2, #" pair "*16+8]\n"                                \
+    "    ldrd   r3, r12, [r2], #8\n"                                            \
     ADD_TWO_ROWS("r3", "r8", "r9") ADD_TWO_ROWS("r12", "r10", "r11")
-#define IS_AT_END "ldr r3, [sp]\n cmp r1, r3\n"
 #else
-#define ADD_TWO_ROWS(place, sum, next)          \
-    "    ldrd   r3, r12, [r2, #" place "]\n"    \
-    "    smlad  " sum ", r3, r0, " sum "\n"     \
-    "    smlad  " next ", r12, r0, " next "\n"
-#define ADD_ROWS(pair)                                                              \
-    ADD_TWO_ROWS(pair "*32", "r4", "r5") ADD_TWO_ROWS(pair "*32+8", "r6", "r7")     \
-    ADD_TWO_ROWS(pair "*32+16", "r8", "r9") ADD_TWO_ROWS(pair "*32+24", "r10", "r11")
-#define IS_AT_END "cmp r1, lr\n"
+#define BYTES_OF_PAIR "32"
+#define ADD_THREE_ROWS(first, second, third)            \
+    "    ldmia  r2!, {r3, r12, lr}\n"                   \
+    "    smlad  " first ", r3, r0, " first "\n"         \
+    "    smlad  " second ", r12, r0, " second "\n"      \
+    "    smlad  " third ", lr, r0, " third "\n"
+#define ADD_ROWS                                                                \
+    ADD_THREE_ROWS("r4", "r5", "r6") ADD_THREE_ROWS("r7", "r8", "r9")           \
+    "    ldrd   r3, r12, [r2], #8\n"                                            \
+    "    smlad  r10, r3, r0, r10\n"                                             \
+    "    smlad  r11, r12, r0, r11\n"
 #endif
 
-#define ADD_PAIR(pair)                          \
-    "    ldr    r0, [r1], #4\n"                 \
-    "    cbz    r0, 9f\n"                       \
-    ADD_ROWS(pair)                              \
-    "9:\n"
+#define ADD_PAIR                                \
+    "    ldrd   r3, r0, [r1], #8\n"             \
+    "    add    r2, r3\n"                       \
+    "    cbz    r0, 2f\n"                       \
+    ADD_ROWS
+#ifdef EDML_BYTES
+#define ADD_PAIRS ADD_PAIR /* as many as a cbz jumps over */
+#else
+#define ADD_PAIRS ADD_PAIR ADD_PAIR
+#endif
 
-__attribute__((naked, noinline)) static void sum_rows(
-    value sum[2][ROWS] EDML_IN_REGISTER, const layer_inputs *in EDML_IN_REGISTER,
-    const weight *w EDML_IN_REGISTER, const value *bias EDML_IN_REGISTER, int rows EDML_IN_REGISTER)
+__attribute__((naked, noinline)) static void sum_eight(
+    value sum[2][ROWS] EDML_IN_REGISTER, const uint8_t *list EDML_IN_REGISTER,
+    const weight *w EDML_IN_REGISTER, const value *bias EDML_IN_REGISTER)
 {
     __asm__("    push   {r0, r4-r11, lr}\n"
-            "    ldmia  r1, {r1, r8, r9}\n"
-            "    add    r8, r1, r8, lsl #1\n"
-            "    add    r9, r8, r9, lsl #1\n"
-            "    push   {r8, r9}\n" /* [sp] end of the part, [sp, #4] of all, [sp, #8] where sums go */
-            "    mov    lr, r8\n"
             "    ldmia  r3, {r4-r11}\n"
+            "    push   {r1}\n" /* [sp] not zero in the first part, [sp, #4] where sums go */
             "1:\n"
-            ADD_PAIR("0") ADD_PAIR("1") ADD_PAIR("2") ADD_PAIR("3") /* a block */
-#ifdef EDML_BYTES
-            "    adds   r2, #64\n"
-#else
-            "    adds   r2, #128\n"
-#endif
-            IS_AT_END
-            "    bne    1b\n"
-            "    ldrd   lr, r3, [sp, #4]\n"
-            "    stmia  r3!, {r4-r11}\n"
-            "    str    lr, [sp]\n"
-            "    str    r3, [sp, #8]\n"
-            "    cmp    r1, lr\n"
-            "    beq    2f\n"
-            "    movs   r4, #0\n"
-            "    movs   r5, #0\n"
-            "    movs   r6, #0\n"
-            "    movs   r7, #0\n"
-            "    mov    r8, r4\n"
-            "    mov    r9, r4\n"
-            "    mov    r10, r4\n"
-            "    mov    r11, r4\n"
+            ADD_PAIRS
             "    b      1b\n"
-            "2:  add    sp, #12\n"
+            "2:  ldrd   r3, r12, [sp]\n"
+            "    stmia  r12!, {r4-r11}\n"
+            "    cbz    r3, 3f\n"
+            "    strd   r0, r12, [sp]\n"
+            "    mov    r4, r0\n"
+            "    mov    r5, r0\n"
+            "    mov    r6, r0\n"
+            "    mov    r7, r0\n"
+            "    mov    r8, r0\n"
+            "    mov    r9, r0\n"
+            "    mov    r10, r0\n"
+            "    mov    r11, r0\n"
+            "    b      1b\n"
+            "3:  add    sp, #8\n"
             "    pop    {r4-r11, pc}\n");
 }
+
+static inline void sum_rows(value sum[2][ROWS], const layer_inputs *in, const weight *w, const value *bias,
+                            int rows)
+{
+    (void)rows;
+    sum_eight(sum, in->list, w, bias);
+}
+
+#define LIST_PAIR                               \
+    "    ldr    r4, [r1, #-4]!\n"               \
+    "    cbz    r4, 9f\n"                       \
+    "    strd   r4, r3, [r0, #-8]!\n"           \
+    "    mvn    r3, #" BYTES_OF_PAIR "-1\n"     \
+    "9:  adds   r3, #" BYTES_OF_PAIR "\n"
+
+/* Lists the pairs of x to before `end`, a multiple of CHUNK, from the last one on: the list ends at `list`, and
+ * may end up to where x is.  Returns where it begins. */
+__attribute__((naked, noinline)) static uint32_t *list_part(
+    uint32_t *list EDML_IN_REGISTER, const activation *end EDML_IN_REGISTER,
+    const activation *x EDML_IN_REGISTER)
+{
+    __asm__("    push   {r4, lr}\n"
+            "    movs   r3, #0\n" /* bytes left out */
+            "    str    r3, [r0, #-4]!\n"
+            "    cmp    r1, r2\n"
+            "    beq    2f\n"
+            "1:\n"
+            LIST_PAIR LIST_PAIR LIST_PAIR LIST_PAIR /* a chunk */
+            "    cmp    r1, r2\n"
+            "    bne    1b\n"
+            "2:  str    r3, [r0, #-4]!\n"
+            "    pop    {r4, pc}\n");
+}
 /* clang-format on */
+
+/* list: [LISTED], aligned as a word; it may be where x is. */
+static void list_inputs(layer_inputs *in, activation *x, uint8_t *list)
+{
+    uint32_t *const end = (uint32_t *)(void *)list + LISTED / 4;
+    uint32_t *const odd = list_part(end, x + in->inputs, x + in->even);
+    in->list = (const uint8_t *)list_part(odd, x + in->even, x);
+}
 
 #endif

@@ -7,7 +7,7 @@
 
 #include "layer_inputs.h"
 
-enum { LAST_OF_LIST = 255, LISTED = EDML_MAX_UNITS + 2 };
+enum { LAST_OF_LIST = 255, LISTED = EDML_MAX_UNITS + 2, LIST_IN_PLACE = 0 };
 
 /* Moves those of x from `from` to before `to` forward, and lists where they were; returns how many there are.
  * Where processors predict branches, none depends on an input, so that none is mispredicted. */

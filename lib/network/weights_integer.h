@@ -65,6 +65,7 @@ enum { CHUNK = EDML_CHUNK, OWN_LIST = 0 };
 #if defined(EDML_BLOCKS_BY_PAIR)
 #define SUM_ROWS "rows_dsp.h"
 #define UNITS "units_dsp.h"
+#define ENDS "ends_dsp.h"
 #elif !defined(EDML_BLOCKS_BY_ROW)
 #define SUM_ROWS "rows_listed.h"
 #elif defined(__ARM_FEATURE_MVE) && defined(__GNUC__) && !defined(__ARM_BIG_ENDIAN)
@@ -90,7 +91,9 @@ enum { CHUNK = EDML_CHUNK, OWN_LIST = 0 };
 #define ENDS "ends_by_value.h"
 #endif
 
-#if defined(EDML_BLOCKS_BY_ROW) || defined(EDML_BLOCKS_BY_PAIR)
+#if defined(EDML_BLOCKS_BY_PAIR)
+#define DOT8 "dot8_dsp.h"
+#elif defined(EDML_BLOCKS_BY_ROW)
 #define DOT8 "dot8_by_blocks.h"
 #endif
 

@@ -9,6 +9,7 @@
  *   PER_SECOND    a * 1000 / ms, for 0 < ms <= 1300; a real of +-64 at most
  *   HYPOT NORM    length of a vector of two and of three
  *   ABS           absolute value
+ *   POSITIVE_PART  a, or 0 if it is negative
  *   PRODUCT       of two reals, as a wide of finer fraction, for sums of up to 2^23
  *   EXACT         of two reals, as a wide with all its bits, for sums of up to 2^15
  *   FROM_EXACT, ROOT_OF_EXACT   such a sum as a real, and its square root, if it is >= 0
@@ -34,6 +35,8 @@
 #define EDML_REAL_F32_H
 
 #include <math.h>
+#include <stdint.h>
+#include <string.h>
 
 /* A product and a sum round separately, on every processor: fused, reordered or divided by way of a reciprocal
  * they would give other bits.  clang names no such option to the sources, but obeys them. */
@@ -59,6 +62,16 @@
 typedef float real;
 typedef float wide;
 
+/* By its bits, as a comparison of floats takes longer, most of all without an FPU.  a: no NaN. */
+static inline float edml__positive_part(float a)
+{
+    int32_t bits;
+    memcpy(&bits, &a, sizeof bits);
+    bits = bits < 0 ? 0 : bits;
+    memcpy(&a, &bits, sizeof a);
+    return a;
+}
+
 #define INLINE_PRODUCTS EDML_INLINE
 #define REAL(constant) constant##F
 #define Q12(a) ((float)(a) * 0x1p-12F)
@@ -72,6 +85,7 @@ typedef float wide;
 #define HYPOT(a, b) sqrtf((a) * (a) + (b) * (b))
 #define NORM(a, b, c) sqrtf((a) * (a) + (b) * (b) + (c) * (c))
 #define ABS(a) fabsf(a)
+#define POSITIVE_PART(a) edml__positive_part(a)
 #define PRODUCT(a, b) ((a) * (b))
 #define EXACT(a, b) ((a) * (b))
 #define FROM_EXACT(sum) (sum)

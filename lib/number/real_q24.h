@@ -32,6 +32,7 @@ typedef int64_t wide;
 #define HYPOT(a, b) hypot_q24(a, b)     /* error < 1 unit, not too large; result < 128 */
 #define NORM(a, b, c) norm_q24(a, b, c) /* the same */
 #define ABS(a) ((a) < 0 ? -(a) : (a))
+#define POSITIVE_PART(a) ((a) > 0 ? (a) : 0)
 #define PRODUCT(a, b) product_q40(a, b)
 #define EXACT(a, b) edml__product(a, b)
 #define FROM_EXACT(sum) ((real)(((sum) + (INT32_C(1) << 23)) >> 24))

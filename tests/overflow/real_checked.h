@@ -30,6 +30,7 @@ typedef checked<int64_t> wide;
 #define HYPOT(a, b) checked_norm(a, b, 0)
 #define NORM(a, b, c) checked_norm(a, b, c)
 #define ABS(a) ((a) < 0 ? -(a) : (a))
+#define POSITIVE_PART(a) ((a) > 0 ? (a) : 0)
 #define PRODUCT(a, b) checked_product(a, b)
 #define EXACT(a, b) checked_exact(a, b)
 #define FROM_EXACT(sum) checked_from_exact(sum)

@@ -177,6 +177,7 @@ FAMILIES = [
     ("network/ends_",),
     ("network/q24_",),
     ("lift/symmetric",),
+    ("lift/turn_points",),
 ]
 
 

@@ -562,7 +562,7 @@ static int convolve(const edml_model *model)
 /* What small equivariant networks give, in float and in integers of these weights; every third input is zero. */
 static int run_in_float(void)
 {
-    float values[EDML_MAX_UNITS];
+    float values[EDML_MAX_VALUES];
     for (int n = 0; n < SMALL_NETS; n++) {
         const edml_model model = small_equivariant(small_layers_f32, draw);
         for (int k = 0; k < SMALL_INPUTS; k++) values[k] = k % 3 == 0 ? 0.0F : 3.0F * draw_float();
@@ -574,7 +574,7 @@ static int run_in_float(void)
 
 static int run_in_integers(const void *layers)
 {
-    int32_t values[EDML_MAX_UNITS];
+    int32_t values[EDML_MAX_VALUES];
     for (int n = 0; n < SMALL_NETS; n++) {
         const edml_model model = small_equivariant(layers, draw);
         for (int k = 0; k < SMALL_INPUTS; k++) values[k] = k % 3 == 0 ? 0 : (draw(65536) - 32768) * 4096;

@@ -7,9 +7,7 @@
 
 #include "native.h"
 
-#define rotate_points rotate_axes /* helpers.h has another one */
 #include "lift/tridiagonal.h"
-#undef rotate_points
 
 enum { MOST = EDML_JOINTS - 1 };
 #ifndef EDML_TEST_Q24
@@ -217,7 +215,6 @@ static void sweeps_split_the_eigenvalue_off(void)
 
 int main(void)
 {
-    (void)rotate_axes;
     UNITY_BEGIN();
     RUN_TEST(a_band_is_divided_by_its_norm);
     RUN_TEST(the_largest_eigenvalue_is_found);

@@ -31,7 +31,8 @@ def _sources() -> dict[str, str]:
 @functools.cache
 def _value(name: str) -> str:
     """What stands behind the name in its definition."""
-    defined = rf"^[ \t]*#define[ \t]+{name}[ \t]+(\S.*?)[ \t]*$|\b{name}[ \t]*=[ \t]*([^,}}\n]+)"
+    macro = rf"^[ \t]*#define[ \t]+{name}[ \t]+(\S.*?)[ \t]*$"
+    defined = rf"{macro}|\b{name}[ \t]*=(?!=)[ \t]*([^,}}\n]+)"
     found = {
         path: (match[1] or match[2]).strip()
         for path, text in _sources().items()
