@@ -50,10 +50,10 @@ static int on_a_line(const edml_image_point at[EDML_JOINTS], uint16_t seen)
 /* NaN -> -limit, which no imputation gives */
 static real clamp_real(real a, real limit) { return a < limit ? (a > -limit ? a : -limit) : limit; }
 
-static void clamp_point(edml_image_point *p, real limit)
+static EDML_NOINLINE void clamp_point(edml_image_point *p)
 {
-    p->u = clamp_real(p->u, limit);
-    p->v = clamp_real(p->v, limit);
+    p->u = clamp_real(p->u, FARTHEST);
+    p->v = clamp_real(p->v, FARTHEST);
 }
 
 static edml_image_point image_middle(edml_image_point a, edml_image_point b)
@@ -115,8 +115,9 @@ static void centre_and_scale(edml_image *image, uint16_t known)
         edml_image_point *const at = &image->at[j];
         at->u = MUL(scale, at->u - mean);
         at->v = MUL(scale, at->v - middle);
-        if (!is_seen(image->seen, j)) clamp_point(at, FARTHEST);
-        ASSUME(WITHIN(at->u, FARTHEST) && WITHIN(at->v, FARTHEST)); /* a seen joint: within WIDEST and 1 */
+        if (!is_seen(image->seen, j)) clamp_point(at);
+        /* a seen joint is within WIDEST across and 1 along, another is clamped */
+        ASSUME(WITHIN(at->u, FARTHEST) && WITHIN(at->v, FARTHEST));
     }
 }
 
@@ -141,7 +142,7 @@ static edml_status to_body_frame(edml_image *image, const edml_keypoint in[EDML_
     if (imputation != NULL) {
         if (!impute(at, seen, imputation, scratch)) return EDML_ERR_DEGENERATE;
         for (int j = 0; j < EDML_JOINTS; j++)
-            if (!is_seen(seen, j)) clamp_point(&at[j], FARTHEST);
+            if (!is_seen(seen, j)) clamp_point(&at[j]);
         image->down = body_axis(at);
         turn_down(at, image->down);
     }

@@ -50,7 +50,7 @@ static const uint8_t mirror_joints[MIRROR_JOINTS] = {
 /* d^2 / (d + s) instead of d, s the softening: d - s + s^2 / (d + s).  A distance has a kink where two joints
  * are at the same place in the image, as those of a limb that points at the camera are, and noise makes it
  * longer. */
-static real soften(real distance)
+static INLINE_PRODUCTS real soften(real distance)
 {
     const real d = distance < LONGEST_2D ? distance : LONGEST_2D;
     const real soft = d - SOFTENING + DIV16(SQUARE(SOFTENING), d + SOFTENING);
@@ -65,14 +65,14 @@ typedef struct {
 
 static void add_distances(input_ends *end, const real edm[EDML_PAIRS])
 {
-    int k = 0;
-    for (; k < MIRROR_PAIRS - SELF_MIRRORED; k++) {
+    for (int k = 0; k < MIRROR_PAIRS - SELF_MIRRORED; k++) {
         const real first = soften(edm[mirror_pairs[k][0]]) - MIDDLE_SOFT;
         const real second = soften(edm[mirror_pairs[k][1]]) - MIDDLE_SOFT;
         *end->even++ = first + second;
         *end->odd++ = first - second;
     }
-    for (; k < MIRROR_PAIRS; k++) *end->even++ = 2 * (soften(edm[mirror_pairs[k][0]]) - MIDDLE_SOFT);
+    for (int k = MIRROR_PAIRS - SELF_MIRRORED; k < MIRROR_PAIRS; k++)
+        *end->even++ = 2 * (soften(edm[mirror_pairs[k][0]]) - MIDDLE_SOFT);
 }
 
 /* A number of each joint: sums to one side, differences to the other. */

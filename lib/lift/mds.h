@@ -119,7 +119,10 @@ static EDML_NOINLINE void undo_sweeps(point y[ORDER], const edml_plane_rotation 
 {
     for (int k = 2; k >= 0; k--) {
         const int turns = ORDER - 1 - k;
-        for (int n = sweeps[k]; n > 0; n--, done -= turns) undo_sweep(y + k, done, turns);
+        for (int n = sweeps[k]; n > 0; n--) {
+            undo_sweep(y + k, done, turns);
+            done -= turns;
+        }
     }
 }
 

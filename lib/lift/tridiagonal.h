@@ -7,8 +7,7 @@
 #ifndef EDML_TRIDIAGONAL_H
 #define EDML_TRIDIAGONAL_H
 
-#include "../geometry/vector.h"
-#include "jacobi.h"
+#include "../api/api.h"
 
 enum { MOST_STEPS = 24 };           /* 2 or 3 are usual */
 #define LAST_STEP REAL(9.765625e-4) /* 2^-10; the error after it is about its cube */

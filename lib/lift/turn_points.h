@@ -43,14 +43,7 @@ static void rotate_points(point *p, point *q, edml_plane_rotation by)
 /* n + 1 points, by the n rotations of a sweep; done: behind the last of them. */
 static EDML_NOINLINE void undo_sweep(point *y, const edml_plane_rotation *done, int n)
 {
-    point last = *y;
-    for (int i = 0; i < n; i++) {
-        point next = y[i + 1];
-        rotate_points(&next, &last, *--done);
-        y[i] = last;
-        last = next;
-    }
-    y[n] = last;
+    for (int i = 0; i < n; i++) rotate_points(&y[i + 1], &y[i], *--done);
 }
 
 #endif

@@ -1,7 +1,7 @@
 /* dot8.h for bytes in blocks by pair, in the words of a Cortex-M with the DSP extension.  As rows_dsp.h has it, but
  * pairs are not listed: each window is read only a few times.
  *
- *   r0 a pair of x     r1 x, r2 w     r3, r12 weights, lr widened ones     r4 to r11 the sums
+ *   r0 a pair of x     r1 x, r2 w     r3, r12 weights, lr widened ones     r3 also the end of x     r4 to r11 the sums
  *
  * SPDX-License-Identifier: MIT
  */

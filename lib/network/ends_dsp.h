@@ -34,7 +34,8 @@ __attribute__((naked, noinline)) static void read_fours(
             "    pop    {r4-r6, pc}\n");
 }
 
-/* As signed_output().  Adding 2^31 - 1 - clamp saturates above clamp; what is then below -clamp saturates at zero. */
+/* As signed_output().  Adding r5 saturates what is above clamp.  Less r6 it is the output + clamp, and what is below -clamp
+ * saturates at zero.  0 <= clamp < 2^22. */
 #define GIVE_OUTPUT(output, multiplier)                         \
     "    lsl    " output ", r4\n"                               \
     "    smmulr " output ", " output ", " multiplier "\n"       \
@@ -49,12 +50,12 @@ __attribute__((naked, noinline)) static void read_fours(
     "    sub    " odd ", " even ", " odd ", lsl #1\n"           \
     GIVE_OUTPUT(even, multiplier) GIVE_OUTPUT(odd, multiplier)
 
-/*   r0 out            r2 even parts     r4 32 - shift         r7 clamp * 2^8             r10, r11 odd parts, then mirror rows
+/*   r0 out            r2 even parts     r4 left shift         r7 clamp * 2^8             r10, r11 odd parts, then mirror rows
  *   r1 mirror rows    r3 multipliers    r5 2^31 - 1 - clamp   r8, r9 even parts,         r12, lr two multipliers
  *                                       r6 r5 - clamp         then rows */
 __attribute__((naked, noinline)) static void give_eight(
     value *out EDML_IN_REGISTER, value *mirror EDML_IN_REGISTER, value sum[2][ROWS] EDML_IN_REGISTER,
-    const int32_t *multiplier EDML_IN_REGISTER, int by EDML_IN_REGISTER, int32_t clamp EDML_IN_REGISTER)
+    const int32_t *multiplier EDML_IN_REGISTER, int left_shift EDML_IN_REGISTER, int32_t clamp EDML_IN_REGISTER)
 {
     __asm__("    push   {r4-r11, lr}\n"
             "    ldrd   r4, r6, [sp, #36]\n"
@@ -85,7 +86,8 @@ static int read_inputs(activation *x, const value *in, int inputs)
     return filled;
 }
 
-static inline void give_rows(value *out, value sum[2][ROWS], const dense_layer *last, int row, int rows, int count)
+static inline void give_rows(value *out, value sum[2][ROWS], const dense_layer *last, int row, int rows,
+                             int count)
 {
     (void)rows;
     give_eight(out, out + count, sum, last->multiplier + row, 32 - last->shift, last->clamp);

@@ -61,7 +61,8 @@ EDML_INTERNAL void WEIGHTS(edml__equivariant)(value *out, const value *in, const
         swap_units(&x, &y);
     }
     const int count = EDML_ROWS * EDML_GROUPS(layer->outputs);
-    const layer_inputs read = take_inputs(x, even, layer, OWN_LIST ? own_list : (uint8_t *)(LIST_IN_PLACE ? x : y));
+    uint8_t *const list = OWN_LIST ? own_list : (uint8_t *)(LIST_IN_PLACE ? x : y);
+    const layer_inputs read = take_inputs(x, even, layer, list);
     for (int row = 0; row < count; row += ROWS) {
         const int rows = rows_from(row, count);
         value sum[2][ROWS];

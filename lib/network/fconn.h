@@ -42,7 +42,8 @@ EDML_INTERNAL void WEIGHTS(edml__fconn)(value *out, const value *in, const edml_
         for (int k = layer->outputs; k < layer[1].inputs; k++) y[k] = 0; /* what is filled up */
         swap_units(&x, &y);
     }
-    const layer_inputs read = take_inputs(x, layer->inputs, layer, OWN_LIST ? own_list : (uint8_t *)(LIST_IN_PLACE ? x : y));
+    uint8_t *const list = OWN_LIST ? own_list : (uint8_t *)(LIST_IN_PLACE ? x : y);
+    const layer_inputs read = take_inputs(x, layer->inputs, layer, list);
     for (int row = 0; row < EDML_PAIRS; row += ROWS) {
         value sum[2][ROWS];
         const int rows = sum_all(sum, &read, layer, row);

@@ -9,10 +9,10 @@
 
 /* rows_mve.h reads the first three members. */
 typedef struct {
-    const activation *x; /* [even + odd] */
+    const activation *x; /* [even + odd]; rows_dsp.h may have overwritten it */
     int even, odd;       /* multiples of CHUNK, but where zeros are left out */
     int inputs;          /* of the layer, left out or not */
-    const uint8_t *list; /* where the others were, if zeros are left out */
+    const uint8_t *list; /* what list_inputs() made, if zeros are left out */
 } layer_inputs;
 
 #endif

@@ -17,10 +17,10 @@
 #include <stdint.h>
 
 enum {
-    EDML_ROWS = 8,        /* rows of weights that lie side by side; outputs are filled up to a multiple */
-    EDML_CHUNK = 8,       /* inputs of a block */
-    EDML_MAX_UNITS = 192,  /* of a fully connected layer: those of work.h */
-    EDML_MAX_VALUES = 196, /* of a network's inputs and outputs: those of work.h */
+    EDML_ROWS = 8,           /* rows of weights that lie side by side; outputs are filled up to a multiple */
+    EDML_CHUNK = 8,          /* inputs of a block */
+    EDML_MAX_UNITS = 192,    /* of a fully connected layer: those of work.h */
+    EDML_MAX_VALUES = 196,   /* of a network's inputs and outputs: those of work.h */
     EDML_ACTIVATION = 32767, /* the largest activation of a quantised network, ... */
     EDML_UNIT_BITS = 15,     /* ... of so many bits; */
     EDML_PAIRED_BITS = 14,   /* of an equivariant network, which adds two, of these */

@@ -42,7 +42,7 @@ struct edml_model {
     /* The network.  The model names its kernel, so that a program links only what its model needs.  A
      * float network has predict_f32, a quantised one predict_q, which the float lift runs between
      * conversions; the other is NULL.  `scratch` is a lift's work memory from its member `units` on.
-     * `in` and `out` are outside of it, and may be the same; `out` has room for a layer's units. */
+     * `in` and `out` are outside of it, and may be the same; `out` has room for EDML_MAX_VALUES. */
     void (*predict_f32)(float *out, const float *in, const edml_model *model, void *scratch);
     void (*predict_q)(int32_t *out, const int32_t *in, const edml_model *model, void *scratch);
     uint32_t (*compute_checksum)(const edml_model *model);

@@ -4,6 +4,11 @@
  */
 #include "model.h"
 
+typedef char work_memory_holds_the_network[sizeof(((edml_network_work_q *)0)->io) == 4 * EDML_MAX_VALUES &&
+                                                   sizeof(((edml_network_work_q *)0)->units) >= 4 * EDML_MAX_VALUES
+                                               ? 1
+                                               : -1];
+
 void edml__run_network_q(const edml_model *model, void *memory)
 {
     edml_network_work_q *const network = &((edml_work_q *)memory)->of.network;

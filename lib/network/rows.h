@@ -17,7 +17,8 @@
 
 #include SUM_ROWS
 
-/* x: [layer->inputs], the even ones first; list: room for LISTED, where x is if LIST_IN_PLACE. */
+/* x: [layer->inputs], the even ones first; list: room for LISTED bytes, apart from x.
+ * If LIST_IN_PLACE it may begin where x does, which is lost then. */
 static layer_inputs take_inputs(activation *x, int even, const dense_layer *layer, uint8_t *list)
 {
     layer_inputs in = {x, even, layer->inputs - even, layer->inputs, NULL};

@@ -3,11 +3,10 @@
  * of 8 bits are widened two at a time: the first and the third byte of a word are of one row, the second and the
  * fourth of the next.
  *
- * A part's list has, for each of its pairs, how many bytes of weights are left out before it, and the pair:
+ * A part's list has, for each of its pairs, how many bytes of weights are left out before it, and the pair.  Its end is
+ * what is left out behind the last pair, and zero.  The list of the odd part follows that of the even one.
  *
- *   out x out x ... out 0
- *
- *   r0 a pair of x     r1 list, r2 w     r3, r12, lr weights     r4 to r11 the sums
+ *   out x out x ... out 0     out x out x ... out 0
  *
  * SPDX-License-Identifier: MIT
  */
@@ -62,6 +61,7 @@ typedef char lists_hold_all_pairs_and_the_ends_of_two_parts[LISTED >= 4 * (EDML_
 #define ADD_PAIRS ADD_PAIR ADD_PAIR
 #endif
 
+/*   r0 a pair of x     r1 list, r2 w     r3 what is left out; r3, r12, lr weights     r4 to r11 the sums */
 __attribute__((naked, noinline)) static void sum_eight(
     value sum[2][ROWS] EDML_IN_REGISTER, const uint8_t *list EDML_IN_REGISTER,
     const weight *w EDML_IN_REGISTER, const value *bias EDML_IN_REGISTER)
@@ -103,14 +103,16 @@ static inline void sum_rows(value sum[2][ROWS], const layer_inputs *in, const we
     "    mvn    r3, #" BYTES_OF_PAIR "-1\n"     \
     "9:  adds   r3, #" BYTES_OF_PAIR "\n"
 
-/* Lists the pairs of x to before `end`, a multiple of CHUNK, from the last one on: the list ends at `list`, and
- * may end up to where x is.  Returns where it begins. */
+/* Lists the pairs from x to `end`, a multiple of CHUNK, the last one first, downwards from list_end.  The list may
+ * overwrite pairs that have been read.  Returns its first word.
+ *
+ *   r0 list     r1, r2 from the end to the start of x     r3 bytes left out     r4 a pair of x */
 __attribute__((naked, noinline)) static uint32_t *list_part(
-    uint32_t *list EDML_IN_REGISTER, const activation *end EDML_IN_REGISTER,
+    uint32_t *list_end EDML_IN_REGISTER, const activation *end EDML_IN_REGISTER,
     const activation *x EDML_IN_REGISTER)
 {
     __asm__("    push   {r4, lr}\n"
-            "    movs   r3, #0\n" /* bytes left out */
+            "    movs   r3, #0\n"
             "    str    r3, [r0, #-4]!\n"
             "    cmp    r1, r2\n"
             "    beq    2f\n"
@@ -123,8 +125,8 @@ __attribute__((naked, noinline)) static uint32_t *list_part(
 }
 /* clang-format on */
 
-/* list: [LISTED], aligned as a word; it may be where x is. */
-static void list_inputs(layer_inputs *in, activation *x, uint8_t *list)
+/* list: [LISTED], aligned as a word; it may begin where x does. */
+static inline void list_inputs(layer_inputs *in, activation *x, uint8_t *list)
 {
     uint32_t *const end = (uint32_t *)(void *)list + LISTED / 4;
     uint32_t *const odd = list_part(end, x + in->inputs, x + in->even);

@@ -6,7 +6,8 @@
  *   OTHER_UNITS        where the units of every second layer are
  *   CHUNK              inputs of a layer are filled up to a multiple
  *   OWN_LIST           does a list of inputs need memory of its own?  Else it is where no unit is: where the
- *                      network's outputs come, and for the last layer where units of another would be
+ *                      network's outputs come, and for the last layer where units of another would be, or,
+ *                      with LIST_IN_PLACE, where its inputs are and behind them
  *   SUM_ROWS           the header that has sum_rows() of rows.h
  *   UNITS              the header that has activate_rows() of units_by_row.h
  *   ENDS               the header that has read_inputs() and give_rows() of ends_by_value.h

@@ -15,8 +15,8 @@ EDML_KERNEL(equivariant, w8);
 enum { HALF = EDML_MAX_UNITS / 2, LAYERS = 2, RUNS = 4, MOST_UNIT = 16383, CLAMP = 3 << 16 };
 
 static edml_work_q work;
-static int16_t w16[LAYERS][HALF * EDML_MAX_UNITS];
-static int8_t w8[LAYERS][HALF * EDML_MAX_UNITS];
+static EDML_ALIGN4 int16_t w16[LAYERS][HALF * EDML_MAX_UNITS];
+static EDML_ALIGN4 int8_t w8[LAYERS][HALF * EDML_MAX_UNITS];
 static int8_t plain[LAYERS][HALF][EDML_MAX_UNITS];
 static int32_t bias[LAYERS][HALF], multiplier[LAYERS][HALF];
 

@@ -16,19 +16,22 @@ from reports.targets import ToolError
 JOINTS, ORDER = 14, 13
 CONSTANTS = {
     "EDML_JOINTS": JOINTS, "LAST": 13, "ORDER": ORDER, "MIRROR_PAIRS": 49, "MIRROR_JOINTS": 8,
-    "SWEEPS": 12, "NEWTON_STEPS": 16, "MOST_STEPS": 24, "EDML_ROWS": 8,
+    "SELF_MIRRORED": 7, "SWEEPS": 12, "NEWTON_STEPS": 16, "MOST_STEPS": 24, "EDML_ROWS": 8,
 }  # fmt: skip
 # What a count is at most, by the file that has it.
 COUNTS = {
     "householder.h": {"m": ORDER - 1},
     "symmetric.h": {"m": ORDER - 1},
     "tridiagonal.h": {"n": ORDER},
+    "turn_points.h": {"m": ORDER - 1, "n": ORDER - 1},
     "real_q24.h": {"n": 2 * ORDER},  # a band
 }
 # Whose limit no `for` has: the text of the loop, by file, and how often its body is run.
 LIMITS = {
     "mds.h: } while (*sweeps < most && ABS(band[1]) > SPLIT);": 2,  # most_sweeps
     "mds.h: for (int n = sweeps[k]; n > 0; n--)": 2,
+    "edm.h: for (const edml_image_point *at = image->at; at < last; at++) {": JOINTS - 1,
+    "ends_dsp.h: for (int k = fours; k < filled; k++)": 8,
     "jacobi.h: for (; best > k; best--)": ORDER - 1,
     "image_box.h: while (j < EDML_JOINTS - 1 && !is_seen(seen, j)) j++;": JOINTS - 1,
     "image_box.h: for (j++; j < EDML_JOINTS; j++) {": JOINTS - 1,
@@ -176,8 +179,9 @@ def kernel_totals(model: Model, preset: str) -> list[tuple[dict[str, int], int]]
     groups = sum(model.groups)
     if model.is_float and preset in ("cortex-m4f", "cortex-m55"):
         return vfp_totals(model)
-    if not model.is_float and preset in ("cortex-m4f", "cortex-m55"):
-        # rows_dsp.h and rows_mve.h: parts, and blocks of eight rows
+    if not model.is_float and preset == "cortex-m4f":
+        return [(rows, groups), *dsp_totals(model)]
+    if not model.is_float and preset == "cortex-m55":  # rows_mve.h: parts, and blocks of eight rows
         return [
             (rows, groups),
             ({"sum_rows: 0": 1}, 2 * groups),
@@ -189,6 +193,17 @@ def kernel_totals(model: Model, preset: str) -> list[tuple[dict[str, int], int]]
         (rows, groups),
         ({"dot8.h: for (const activation *const end = x + inputs;": 1}, model.reads),
         ({"rows_listed.h: } while (i != LAST_OF_LIST);": 1}, model.reads),
+    ]
+
+
+def dsp_totals(model: Model) -> list[tuple[dict[str, int], int]]:
+    """Of rows_dsp.h, two pairs at a time and the ends of two parts, and of ends_dsp.h."""
+    inputs = [inputs for inputs, _ in model.layers]
+    return [
+        ({"sum_eight: 0": 1}, model.reads // 4 + 2 * sum(model.groups)),
+        ({"list_part: 0": 1}, sum(inputs) // 8),
+        ({"read_fours: 0": 1}, inputs[0] // 4 + 2),
+        ({"give_eight: 0": 1}, 4 * model.groups[-1]),
     ]
 
 
@@ -220,6 +235,7 @@ def network_totals(model: Model) -> list[tuple[dict[str, int], int]]:
         # A float network in a float lift, or integers in integers: nothing is converted.
         ({"q24_by_value.h: ": 1, "q24_mve.h: ": 1, "to_q24: ": 1, "from_q24: ": 1}, 0),
         ({"predict.h: for (int": 1}, 0),  # both models read coordinates
+        ({"edm.h: } while (q < last);": 1}, JOINTS * (JOINTS - 1) // 2),
     ]
 
 
@@ -230,12 +246,22 @@ def mds_totals(model: Model, preset: str) -> list[tuple[dict[str, int], int]]:
     normalised = sum(orders) + 2 * (13 + 12 + 11) + 2 * 3 * minors + 2 * 3 * 12 + 3 * 3 * 24
     kernels = {"cortex-m4f": symmetric_vfp_totals, "cortex-m55": symmetric_mve_totals}
     return [
-        *(kernels[preset]() if model.is_float and preset in kernels else ()),
+        *(kernels[preset]() + turn_totals() if model.is_float and preset in kernels else ()),
         ({"symmetric.h: for (; j < i;": 1, "symmetric.h: for (; j < m;": 1}, square),
         ({"symmetric.h: } while (++j < m);": 1}, (square + sum(orders)) // 2),
         # bands, vectors, minors and their derivatives
         ({"real_q24.h: for (int i = 0; i < n; i++) bits": 1}, normalised),
         ({"real_q24.h: for (int i = 0; i < n; i++) x[i]": 1}, normalised),
+    ]
+
+
+def turn_totals() -> list[tuple[dict[str, int], int]]:
+    """Of turn_points_vfp.h: two passes of a reflection, and up to two sweeps an eigenvalue."""
+    points = sum(range(2, ORDER))
+    return [
+        ({"reflect_points: 0": 1}, points),
+        ({"reflect_points: 1": 1}, points),
+        ({"undo_sweep: 0": 1}, 2 * sum(ORDER - 1 - k for k in range(3))),
     ]
 
 

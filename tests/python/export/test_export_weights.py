@@ -619,7 +619,7 @@ int main(void)
 {
     static edml_work work;
     const edml_model *model = &edml_fconn_f32;
-    float x[EDML_PAIRS], y[EDML_MAX_UNITS];
+    float x[EDML_PAIRS], y[EDML_MAX_VALUES];
     if (edml_model_check(model) != EDML_OK || fread(x, sizeof x, 1, stdin) != 1) return 1;
     model->predict_f32(y, x, model, &work.of.network.units);
     return fwrite(y, sizeof x, 1, stdout) != 1;

@@ -311,7 +311,7 @@ int main(void)
 {
     static edml_work_q work;
     const edml_model *model = &edml_fconn_FORM;
-    int32_t x[EDML_PAIRS], y[EDML_MAX_UNITS];
+    int32_t x[EDML_PAIRS], y[EDML_MAX_VALUES];
     if (edml_model_check(model) != EDML_OK) return 1;
     while (fread(x, sizeof x, 1, stdin) == 1) {
         model->predict_q(y, x, model, &work.of.network.units);

@@ -134,7 +134,7 @@ def test_a_loop_of_which_nothing_is_known_is_refused():
 
 
 def test_how_often_nested_loops_go_on_together():
-    outer, inner = (f"edm.h: for (int {i} = {start}; {i} < EDML_JOINTS; {i}++)"
+    outer, inner = (f"a.h: for (int {i} = {start}; {i} < EDML_JOINTS; {i}++)"
                     for i, start in (("i", "0"), ("j", "i + 1")))  # fmt: skip
     assert FACTS["direct"].together(outer, inner) == 91
     assert FACTS["direct"].together("a.h: while (1)", inner) is None
