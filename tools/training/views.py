@@ -36,7 +36,7 @@ def draw_2d(joints: np.ndarray, recipe: Recipe, rng: np.random.Generator) -> Vie
     count = len(truth)
     elsewhere = np.where(rng.random(count) < recipe.redefined, rng.random(count), 0.0)
     points = cameras.project(cameras.redefine(truth, rng, elsewhere))
-    strength = recipe.least + (1 - recipe.least) * rng.random(count)
+    strength = recipe.least + (1 - recipe.least) * rng.random(count) ** recipe.weak
     iid = rng.random(count) < recipe.iid
     points = cameras.gaussian_noise(points, np.where(iid, strength * recipe.noise, 0.0), rng)
     points = cameras.detector_noise(points, rng, np.where(iid, 0.0, strength * recipe.detector))

@@ -68,13 +68,15 @@ def test_rivals_have_the_parameters_that_they_are_named_for():
     assert sizes["martinez"] == pytest.approx(4.3e6, rel=0.01)
 
 
-def test_all_rivals_are_trained_as_the_librarys_network():
-    own = {"network", "hidden", "pose_epochs", "rate", "up", "fuse"}
+def test_all_rivals_are_trained_as_the_librarys_networks():
+    own = {"network", "hidden", "pose_epochs", "rate", "up", "fuse", *rivals.NOISE}
+    noise = [rivals.NOISE, {key: getattr(RECIPES["direct"], key) for key in rivals.NOISE}]
     of_the_large_one = {"batch", "average", "adam", "straightened"}
     for recipe in (*rivals.RIVALS.values(), *rivals.TRIALS.values()):
         free = own | of_the_large_one if recipe.network == "residual" else own
         for name, value in dataclasses.asdict(RECIPES["direct"]).items():
             assert name in free or getattr(recipe, name) == value, name
+        assert {key: getattr(recipe, key) for key in rivals.NOISE} in noise
 
 
 def test_the_residual_network_is_martinez():
