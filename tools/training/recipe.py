@@ -29,8 +29,8 @@ class Recipe:
     iid: float = 0.5  # share of the poses with iid noise; the others get a detector's
     noise: float = 20.0  # pixels: iid noise is drawn with sigma up to this
     detector: float = 1.5  # detector-like noise is drawn up to this scale
-    weak: float = 1.0  # how strong either is: a number from 0 to 1 to this power, ...
-    least: float = 0.0  # ... and the share of it that every pose gets
+    weak: float = 1.0  # the strength of either is u^weak, u uniform from 0 to 1, ...
+    least: float = 0.0  # ... mapped onto least to 1
     bodies: bool = True  # vary height and proportions
     masks: bool = True  # hide joints
     impute: bool = True  # hidden joints are at their conditional mean (gen/imputation.h), not zero
