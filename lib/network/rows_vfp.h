@@ -1,8 +1,8 @@
 /* rows.h in the words of a Cortex-M with an FPU: sixteen rows of weights that lie input by input, in groups of eight.
- * Whether an input is zero is asked once for all of them.  vmla rounds the product before it adds, as C does: the same bits.
+ * Whether an input is zero is asked once for all of them.
  *
  *   r0 y     r2, r4 weights of both groups    s0 to s15   the sums
- *   r1 x     r3 xi, as an integer             s24         xi
+ *   r1 x     r3, r5 two of x, as integers     s24, s25    the same
  *            r12 end of x                     s16 to s23  weights
  *
  * SPDX-License-Identifier: MIT
@@ -12,49 +12,34 @@
 
 #include "rows_all_inputs.h"
 
-#include "dot8.h"
+#include "dot8_vfp.h"
 
 enum { ROWS = 2 * EDML_ROWS };
 
 /* clang-format off */
-#define ADD_TO_GROUP(w, s0, s1, s2, s3, s4, s5, s6, s7) \
-    "    vldmia " w "!, {s16-s23}\n"    \
-    "    vmla.f32 " s0 ", s16, s24\n"   \
-    "    vmla.f32 " s1 ", s17, s24\n"   \
-    "    vmla.f32 " s2 ", s18, s24\n"   \
-    "    vmla.f32 " s3 ", s19, s24\n"   \
-    "    vmla.f32 " s4 ", s20, s24\n"   \
-    "    vmla.f32 " s5 ", s21, s24\n"   \
-    "    vmla.f32 " s6 ", s22, s24\n"   \
-    "    vmla.f32 " s7 ", s23, s24\n"
+#define ADD_TO_SIXTEEN_SUMS(xi)                                                                         \
+    ADD_TO_GROUP(xi, "r2", "s0", "s1", "s2", "s3", "s4", "s5", "s6", "s7")                              \
+    ADD_TO_GROUP(xi, "r4", "s8", "s9", "s10", "s11", "s12", "s13", "s14", "s15")
+#define SKIP_SIXTEEN                    \
+    "    adds   r2, #32\n"              \
+    "    adds   r4, #32\n"
 
-/* As dot8(), of the groups at w and `stride` bytes behind it; inputs > 0. */
+/* As dot8(), of the groups at w and `stride` bytes behind it. */
 __attribute__((naked, noinline)) static void dot16(
     value y[ROWS] EDML_IN_REGISTER, const value *x EDML_IN_REGISTER,
     const weight *w EDML_IN_REGISTER, const value *b EDML_IN_REGISTER, int inputs EDML_IN_REGISTER,
     int stride EDML_IN_REGISTER)
 {
-    __asm__("    push   {r4, lr}\n"
+    __asm__("    push   {r4, r5}\n"
             "    ldrd   r12, r4, [sp, #8]\n"
             "    vpush  {s16-s25}\n"
             "    vldmia r3, {s0-s15}\n"
             "    adds   r4, r4, r2\n"
-            "    add    r12, r1, r12, lsl #2\n"
-            "1:  ldr    r3, [r1], #4\n"
-            "    cbnz   r3, 2f\n"
-            "    adds   r2, #32\n"
-            "    adds   r4, #32\n"
-            "    cmp    r1, r12\n"
-            "    bne    1b\n"
-            "    b      3f\n"
-            "2:  vmov   s24, r3\n"
-            ADD_TO_GROUP("r2", "s0", "s1", "s2", "s3", "s4", "s5", "s6", "s7")
-            ADD_TO_GROUP("r4", "s8", "s9", "s10", "s11", "s12", "s13", "s14", "s15")
-            "    cmp    r1, r12\n"
-            "    bne    1b\n"
-            "3:  vstmia r0, {s0-s15}\n"
+            ADD_INPUTS(ADD_TO_SIXTEEN_SUMS, SKIP_SIXTEEN)
+            "    vstmia r0, {s0-s15}\n"
             "    vpop   {s16-s25}\n"
-            "    pop    {r4, pc}\n");
+            "    pop    {r4, r5}\n"
+            "    bx     lr\n");
 }
 /* clang-format on */
 

@@ -64,8 +64,6 @@ static inline float mean_output(float a, float b, const dense_layer *layer)
 
 #define HASH_MULTIPLIERS(hash, layer, rows) (void)0
 
-#define UNITS "units_by_row.h"
-#define ENDS "ends_by_value.h"
 enum { CHUNK = 1, OWN_LIST = 1 };
 #define OTHER_UNITS(scratch, out) (out)
 #if defined(__GNUC__) && (defined(__SSE2__) || defined(__aarch64__) || defined(__wasm_simd128__))
@@ -73,10 +71,17 @@ enum { CHUNK = 1, OWN_LIST = 1 };
 #define SKIPS_ZEROS 0
 #elif defined(__GNUC__) && defined(__ARM_FP) && defined(__thumb2__)
 #define SUM_ROWS "rows_vfp.h"
+#define UNITS "units_vfp.h"
+#define ENDS "ends_vfp.h"
 #define DOT8 "dot8_vfp.h"
 #else
 #define SUM_ROWS "rows_by_input.h"
 #define SKIPS_ZEROS 1
+#endif
+
+#ifndef UNITS
+#define UNITS "units_by_row.h"
+#define ENDS "ends_by_value.h"
 #endif
 
 #endif

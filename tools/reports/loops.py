@@ -29,6 +29,7 @@ COUNTS = {
 # Whose limit no `for` has: the text of the loop, by file, and how often its body is run.
 LIMITS = {
     "mds.h: } while (*sweeps < most && ABS(band[1]) > SPLIT);": 2,  # most_sweeps
+    "mds.h: for (int n = 0; n < sweeps[k]; n++) {": 2,
     "mds.h: for (int n = sweeps[k]; n > 0; n--)": 2,
     "edm.h: for (const edml_image_point *at = image->at; at < last; at++) {": JOINTS - 1,
     "ends_dsp.h: for (int k = fours; k < filled; k++)": 8,
@@ -208,15 +209,17 @@ def dsp_totals(model: Model) -> list[tuple[dict[str, int], int]]:
 
 
 def vfp_totals(model: Model) -> list[tuple[dict[str, int], int]]:
-    """Of rows_vfp.h: two groups of rows at a time; what is left over goes to dot8_vfp.h."""
+    """Of rows_vfp.h: two groups of rows and two inputs a turn; what is left goes to dot8_vfp.h."""
     inputs = [inputs for inputs, _ in model.layers]
     pairs = sum(g // 2 * n for g, n in zip(model.groups, inputs, strict=True))
     alone = sum(g % 2 * n for g, n in zip(model.groups, inputs, strict=True))
     turns = sum(ceil(groups / 2) for groups in model.groups)
     return [
         ({"equivariant.h: for (int row = 0; row < count": 1}, turns),
-        ({"dot16: 0": 1}, pairs),
-        ({"dot8: 0": 4, "dot8: 1": 1}, alone),
+        ({"dot16: 0": 1}, pairs // 2),
+        ({"dot8: 0": 1}, alone // 2),
+        ({"activate_fours: 0": 1}, 2 * sum(model.groups)),
+        ({"give_fours: 0": 1}, 2 * model.groups[-1]),
     ]
 
 
