@@ -95,8 +95,7 @@ static void turn_down(edml_image_point at[EDML_JOINTS], edml_image_point down)
 static void centre_and_scale(edml_image *image, uint16_t known)
 {
     real mean = 0, top = FARTHEST + FARTHEST, bottom = -FARTHEST - FARTHEST, reach = 0;
-    for (int j = 0; j < EDML_JOINTS; j++)
-        if (is_seen(known, j)) mean += image->at[j].u; /* <= 5.6 each */
+    for (int j = 0; j < EDML_JOINTS; j++) mean += image->at[j].u; /* <= 5.6 each; 0 of the others */
     mean /= (real)count_seen(known);
     for (int j = 0; j < EDML_JOINTS; j++) {
         if (!is_seen(image->seen, j)) continue;
@@ -127,9 +126,10 @@ static edml_status to_body_frame(edml_image *image, const edml_keypoint in[EDML_
 {
     const edml_image_point origin = {0, 0}, down = {0, REAL(1.0)};
     const uint16_t seen = seen_joints(in);
+    const int count = count_seen(seen);
     if (!are_finite(in, seen)) return EDML_ERR_NOT_FINITE;
-    if (count_seen(seen) < fewest_joints) return EDML_ERR_TOO_FEW_JOINTS;
-    if (imputation != NULL && count_seen(seen) + MAX_IMPUTED < EDML_JOINTS) return EDML_ERR_TOO_FEW_JOINTS;
+    if (count < fewest_joints) return EDML_ERR_TOO_FEW_JOINTS;
+    if (imputation != NULL && count + MAX_IMPUTED < EDML_JOINTS) return EDML_ERR_TOO_FEW_JOINTS;
     const image_box box = box_of(in, seen);
     if (box.half_height <= MUL(RESOLUTION, box.magnitude) &&
         box.half_width <= MUL(RESOLUTION, box.magnitude))
@@ -140,9 +140,11 @@ static edml_status to_body_frame(edml_image *image, const edml_keypoint in[EDML_
     for (int j = 0; j < EDML_JOINTS; j++) at[j] = is_seen(seen, j) ? normalise(in[j], &box) : origin;
     if (on_a_line(at, seen)) return EDML_ERR_DEGENERATE;
     if (imputation != NULL) {
-        if (!impute(at, seen, imputation, scratch)) return EDML_ERR_DEGENERATE;
-        for (int j = 0; j < EDML_JOINTS; j++)
-            if (!is_seen(seen, j)) clamp_point(&at[j]);
+        if (count < EDML_JOINTS) {
+            if (!impute(at, seen, imputation, scratch)) return EDML_ERR_DEGENERATE;
+            for (int j = 0; j < EDML_JOINTS; j++)
+                if (!is_seen(seen, j)) clamp_point(&at[j]);
+        }
         image->down = body_axis(at);
         turn_down(at, image->down);
     }

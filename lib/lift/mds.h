@@ -72,15 +72,14 @@ static void expand(point y[EDML_JOINTS])
     ASSUME(ALL_WITHIN(y[EDML_JOINTS - 1], REAL(5.71))); /* as above */
 }
 
-static const uint8_t most_sweeps[3] = {2, 2, 2}; /* for each eigenvalue; one is usual */
-#define SPLIT REAL(9.5367432e-7)                 /* 2^-20: beside a norm of 1 this is nothing */
-#define NEAR REAL(6.1035156e-5)                  /* 2^-14: eigenvalues so near need not be told apart */
+enum { MOST_SWEEPS = 2 };        /* for each eigenvalue; one is usual */
+#define SPLIT REAL(9.5367432e-7) /* 2^-20: beside a norm of 1 this is nothing */
+#define NEAR REAL(6.1035156e-5)  /* 2^-14: eigenvalues so near need not be told apart */
 
 /* Splits the largest eigenvalue off at the head of a band of order n.  norm: what the rest of the band is divided
  * by.  0: it is not the largest one, or not split off; that is so where many eigenvalues nearly coincide, or
  * where the matrix falls into parts. */
-static EDML_NOINLINE int split_largest(real *norm, edml_plane_rotation *done, int *sweeps, int most,
-                                       real *band, int n)
+static EDML_NOINLINE int split_largest(real *norm, edml_plane_rotation *done, int *sweeps, real *band, int n)
 {
     *norm = divide_by_norm(band, n);
     *sweeps = 0;
@@ -90,7 +89,7 @@ static EDML_NOINLINE int split_largest(real *norm, edml_plane_rotation *done, in
     do {
         sweep(done + *sweeps * (n - 1), band, n, eigenvalue);
         ++*sweeps;
-    } while (*sweeps < most && ABS(band[1]) > SPLIT);
+    } while (*sweeps < MOST_SWEEPS && ABS(band[1]) > SPLIT);
     return ABS(band[1]) <= SPLIT && ABS(band[0] - eigenvalue) <= NEAR;
 }
 
@@ -127,7 +126,8 @@ static EDML_NOINLINE void undo_sweeps(point y[ORDER], const edml_plane_rotation 
 }
 
 /* y: the three largest eigenvectors of the Gram matrix, in this way; 0: not found.  The sweeps leave next to
- * nothing beside the diagonal of the leading 3 x 3 matrix; Jacobi's rotations take that as well. */
+ * nothing beside the diagonal of the leading 3 x 3 matrix; Jacobi's rotations take that as well, because it turns
+ * the axes of eigenvalues that are near. */
 static int three_largest(point y[ORDER], real *gram, real *band, edml_plane_rotation *done)
 {
     real scale = REAL(1.0);
@@ -135,10 +135,14 @@ static int three_largest(point y[ORDER], real *gram, real *band, edml_plane_rota
     tridiagonalise(gram, band);
     for (int k = 0; k < 3; k++) {
         real norm, *const rest = band + 2 * k;
-        if (!split_largest(&norm, done, &sweeps[k], most_sweeps[k], rest, ORDER - k)) return 0;
+        if (!split_largest(&norm, done, &sweeps[k], rest, ORDER - k)) return 0;
         /* of the first band; the rest of a band of norm 1 has less */
         scale = MUL_TO(REAL(62.0), scale, norm);
-        done += sweeps[k] * (ORDER - 1 - k);
+        for (int n = sweeps[k]; n > 0; n--) {
+            done += ORDER - 1 - k;
+            /* what is left there is along the first axis of this band, which the sweep turned */
+            if (k > 0) rest[-1] = MUL_TO(MOST_SPREAD, done[-1].cosine, rest[-1]);
+        }
         rest[0] = MUL_TO(MOST_SPREAD, scale, rest[0]); /* entries of the matrix, turned */
         rest[1] = MUL_TO(MOST_SPREAD, scale, rest[1]);
     }

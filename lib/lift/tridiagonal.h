@@ -55,9 +55,10 @@ static real in_units(const minors *m, int exponent)
     return SHIFT(m->at[0], by < 6 ? by : 6);
 }
 
-/* f, f' and f''/2 at x of the characteristic polynomial f.  None is negative above its roots. */
-static EDML_NOINLINE void characteristic(minors *f, minors *slope, minors *curve, const real *band, int n,
-                                         real x)
+/* f, f' and f''/2 at x of the characteristic polynomial f.  None is negative above its roots.  Nothing is in the same
+ * place, so that they may stay in registers. */
+static EDML_NOINLINE void characteristic(minors *restrict f, minors *restrict slope, minors *restrict curve,
+                                         const real *restrict band, int n, real x)
 {
     const minors of_order_1[3] = {{{x - band[0], REAL(1.0)}, 0}, {{REAL(1.0), 0}, 0}, {{0, 0}, 0}};
     *f = of_order_1[0];

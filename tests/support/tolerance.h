@@ -65,9 +65,10 @@
 #define MDS_TOLERANCE 5e-5F      /* 0.05 mm: the header's promise */
 #define MDS_FLAT_TOLERANCE 2e-3F /* root of a rounding error: sqrt(4e-6 m^2) */
 #define MDS_CLOSE_TOLERANCE 2e-4F /* 1e-7 of rounded distances, over a gap of 9e-4, of 0.08 m */
+#define MDS_NEAR_TOLERANCE 7.5e-5F /* some 4e-7 m^2 of rounding, over a gap of 3e-3 m^2, of 0.57 m */
 #define MDS_EQUAL_TOLERANCE 1e-3F /* m^2: eigenvalues within 2^-14 of a norm of 4 are not told apart */
 #define MDS_CENTROID_TOLERANCE 1e-5F
-#define MDS_AXES_TOLERANCE 1e-4F /* m^2; TIGHT is 2^-20 of some m^2, and the rotations' rounding */
+#define MDS_AXES_TOLERANCE 1e-4F /* m^2; SPLIT is 2^-20 of some m^2, and the rotations' rounding */
 
 /* ---- Refinement ---- */
 #ifndef EDML_TEST_Q24
