@@ -72,7 +72,7 @@ typedef struct {
             int32_t gram[91];
             union {
                 struct {
-                    int32_t band[26];
+                    int32_t band[27];
                     edml_plane_rotation_q rotation[66];
                 } tridiagonal;
                 int32_t vector[169];

@@ -48,7 +48,7 @@ typedef struct { /* of what follows it; the prediction is where the network's in
             float gram[91];
             union {
                 struct {
-                    float band[26];
+                    float band[27];
                     edml_plane_rotation rotation[66];
                 } tridiagonal;
                 float vector[169];

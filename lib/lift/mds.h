@@ -128,21 +128,18 @@ static EDML_NOINLINE void undo_sweeps(point y[ORDER], const edml_plane_rotation 
 /* y: the three largest eigenvectors of the Gram matrix, in this way; 0: not found.  The sweeps leave next to
  * nothing beside the diagonal of the leading 3 x 3 matrix; Jacobi's rotations take that as well, because it turns
  * the axes of eigenvalues that are near. */
-static int three_largest(point y[ORDER], real *gram, real *band, edml_plane_rotation *done)
+static int three_largest(point y[ORDER], real *gram, real *memory, edml_plane_rotation *done)
 {
-    real scale = REAL(1.0);
+    real scale = REAL(1.0), *const band = memory + 1;
     int sweeps[3];
+    memory[0] = 0; /* there is no axis before the first */
     tridiagonalise(gram, band);
     for (int k = 0; k < 3; k++) {
         real norm, *const rest = band + 2 * k;
         if (!split_largest(&norm, done, &sweeps[k], rest, ORDER - k)) return 0;
         /* of the first band; the rest of a band of norm 1 has less */
         scale = MUL_TO(REAL(62.0), scale, norm);
-        for (int n = sweeps[k]; n > 0; n--) {
-            done += ORDER - 1 - k;
-            /* what is left there is along the first axis of this band, which the sweep turned */
-            if (k > 0) rest[-1] = MUL_TO(MOST_SPREAD, done[-1].cosine, rest[-1]);
-        }
+        done += sweeps[k] * (ORDER - 1 - k);
         rest[0] = MUL_TO(MOST_SPREAD, scale, rest[0]); /* entries of the matrix, turned */
         rest[1] = MUL_TO(MOST_SPREAD, scale, rest[1]);
     }

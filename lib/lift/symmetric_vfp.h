@@ -14,6 +14,21 @@
     "    vmla.f32   s8, " a ", " w "\n"                     \
     "    vmla.f32   " product ", " a ", s9\n"
 
+#define ADD_TWO_ENTRIES                                     \
+    "    vldmia     r1!, {s0-s1}\n"                         \
+    "    vldmia     r5!, {s4-s5}\n"                         \
+    "    vldmia     r4, {s12-s13}\n"                        \
+    ADD_ENTRY("s0", "s4", "s12")                            \
+    ADD_ENTRY("s1", "s5", "s13")                            \
+    "    vstmia     r4!, {s12-s13}\n"
+
+#define ADD_LAST_ENTRY                                      \
+    "    vldmia     r1!, {s0}\n"                            \
+    "    vldr       s4, [r5]\n"                             \
+    "    vldr       s12, [r4]\n"                            \
+    ADD_ENTRY("s0", "s4", "s12")                            \
+    "    vstr       s12, [r4]\n"
+
 /* Row by row: an entry beside the diagonal counts in its row, and in its column's, whose sum gets it before its own row.
  *
  *   r0 product[i]     r4 product[j]     s0 to s3 entries     s8 sum of row i
@@ -48,18 +63,10 @@ __attribute__((naked, noinline)) static void multiply(
             "    bge        3b\n"
             "4:  adds       r6, #2\n" /* as many as are left, less two */
             "    blt        5f\n"
-            "    vldmia     r1!, {s0-s1}\n"
-            "    vldmia     r5!, {s4-s5}\n"
-            "    vldmia     r4, {s12-s13}\n"
-            ADD_ENTRY("s0", "s4", "s12") ADD_ENTRY("s1", "s5", "s13")
-            "    vstmia     r4!, {s12-s13}\n"
+            ADD_TWO_ENTRIES
             "5:  lsls       r6, #31\n"
             "    beq        6f\n"
-            "    vldmia     r1!, {s0}\n"
-            "    vldr       s4, [r5]\n"
-            "    vldr       s12, [r4]\n"
-            ADD_ENTRY("s0", "s4", "s12")
-            "    vstr       s12, [r4]\n"
+            ADD_LAST_ENTRY
             "6:  vstmia     r0!, {s8}\n"
             "    subs       r3, #1\n"
             "    bne        2b\n"

@@ -131,7 +131,8 @@ static edml_plane_rotation onto_first(real x, real z)
 
 /* A QL sweep that subtracts an eigenvalue explicitly: what is beside band[0] becomes zero, and band[0] the
  * eigenvalue.  Records the rotations of axes i and i + 1, from the last i = n - 2 to the first.  (A sweep
- * that subtracts it implicitly is not forward stable.)  All numbers are within 2 norms. */
+ * that subtracts it implicitly is not forward stable.)  All numbers are within 2 norms.
+ * band[-1], within 32, is what a sweep before this one left between its axis and the first one here, which turns. */
 static EDML_NOINLINE void sweep(edml_plane_rotation *done, real *band, int n, real eigenvalue)
 {
     real x = band[2 * n - 2] - eigenvalue, on_diagonal = x;
@@ -150,6 +151,7 @@ static EDML_NOINLINE void sweep(edml_plane_rotation *done, real *band, int n, re
     }
     band[1] = MUL(before.sine, x);
     band[0] = eigenvalue + on_diagonal;
+    band[-1] = MUL_TO(REAL(32.0), before.cosine, band[-1]); /* a cosine */
 }
 
 #endif

@@ -28,29 +28,30 @@
 #define ADD_INPUTS(ADD, SKIP)                   \
     "    tst    r12, #1\n"                      \
     "    add    r12, r1, r12, lsl #2\n"         \
-    "    beq    6f\n"                           \
+    "    beq    1f\n"                           \
     "    vldmia r1!, {s24}\n" /* an odd one */  \
     ADD("s24")                                  \
-    "    b      6f\n"                           \
-    "1:  ldrd   r3, r5, [r1], #8\n"             \
+    "1:  cmp    r1, r12\n"                      \
+    "    beq    6f\n"                           \
+    "2:  ldrd   r3, r5, [r1], #8\n"             \
     "    vmov   s24, s25, r3, r5\n"             \
-    "    cbnz   r3, 2f\n"                       \
+    "    cbnz   r3, 3f\n"                       \
     SKIP                                        \
-    "    cbnz   r5, 3f\n"                       \
+    "    cbnz   r5, 4f\n"                       \
     "    b      5f\n"                           \
-    "2:\n"                                      \
+    "3:\n"                                      \
     ADD("s24")                                  \
     "    cbz    r5, 5f\n"                       \
-    "3:\n"                                      \
+    "4:\n"                                      \
     ADD("s25")                                  \
     "    cmp    r1, r12\n"                      \
-    "    bne    1b\n"                           \
-    "    b      7f\n"                           \
+    "    bne    2b\n"                           \
+    "    b      6f\n"                           \
     "5:\n"                                      \
     SKIP                                        \
-    "6:  cmp    r1, r12\n"                      \
-    "    bne    1b\n"                           \
-    "7:\n"
+    "    cmp    r1, r12\n"                      \
+    "    bne    2b\n"                           \
+    "6:\n"
 
 #define ADD_TO_EIGHT_SUMS(xi) ADD_TO_GROUP(xi, "r2", "s0", "s1", "s2", "s3", "s4", "s5", "s6", "s7")
 #define SKIP_EIGHT "    adds   r2, #32\n"

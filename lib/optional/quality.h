@@ -24,14 +24,14 @@ static const struct {
 };
 
 /* Weights, and the limits that their inputs are clamped to. */
-#define PER_MISFIT REAL(20.774)   /* a metre */
+#define PER_MISFIT REAL(20.031)   /* a metre */
 #define MAX_METRES REAL(0.5)      /* of it */
-#define PER_MISSING REAL(0.454)   /* a joint */
+#define PER_MISSING REAL(0.422)   /* a joint */
 #define MAX_MISSING 4             /* joints; the networks need the others */
-#define PER_VIOLATION REAL(7.477) /* a metre */
+#define PER_VIOLATION REAL(7.154) /* a metre */
 #define MAX_VIOLATION REAL(4.0)   /* metres, of all bones */
-#define PER_SIDE REAL(0.781)      /* seen from the side, not from the front */
-#define QUALITY_CONSTANT REAL(2.813)
+#define PER_SIDE REAL(0.850)      /* seen from the side, not from the front */
+#define QUALITY_CONSTANT REAL(2.814)
 
 static real clamp_to(api_real a, real limit) { return a < TO_API(limit) ? FROM_API(a) : limit; }
 

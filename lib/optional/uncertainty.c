@@ -15,14 +15,14 @@ typedef struct {
     uint8_t lost[MOST_MISSING - 1]; /* not seen, nor a neighbour, by how many joints were not seen: from 2 on */
 } joint_error;
 
-static const joint_error head = {{54, 56, 61, 60, 74}, 71, {70, 74, 77}};
-static const joint_error neck = {{31, 32, 37, 36, 46}, 36, {36, 36, 39}};
-static const joint_error shoulder = {{41, 42, 47, 47, 57}, 50, {49, 51, 55}};
-static const joint_error elbow = {{58, 60, 65, 66, 74}, 80, {96, 90, 108}};
-static const joint_error wrist = {{89, 92, 99, 100, 114}, 147, {177, 185, 209}};
-static const joint_error hip = {{39, 41, 47, 45, 60}, 51, {47, 48, 54}};
-static const joint_error knee = {{63, 66, 74, 73, 90}, 95, {112, 105, 125}};
-static const joint_error ankle = {{91, 97, 109, 107, 130}, 144, {175, 187, 189}};
+static const joint_error head = {{54, 56, 61, 60, 73}, 71, {70, 74, 76}};
+static const joint_error neck = {{31, 32, 36, 36, 46}, 36, {36, 36, 38}};
+static const joint_error shoulder = {{40, 42, 46, 46, 57}, 50, {49, 51, 55}};
+static const joint_error elbow = {{57, 60, 64, 65, 74}, 80, {93, 89, 107}};
+static const joint_error wrist = {{88, 92, 99, 100, 114}, 145, {173, 183, 207}};
+static const joint_error hip = {{39, 41, 46, 45, 59}, 50, {47, 47, 54}};
+static const joint_error knee = {{62, 65, 73, 72, 90}, 94, {110, 105, 124}};
+static const joint_error ankle = {{91, 96, 108, 106, 129}, 143, {172, 184, 187}};
 
 static const joint_error *const errors[EDML_JOINTS] = {
     &head,  &neck, &shoulder, &elbow, &wrist, &shoulder, &elbow,

@@ -129,7 +129,7 @@ struct edml_work_checked { /* with structures for the unions of edml_work_q */
                     real gram[91];
                     struct {
                         struct {
-                            real band[26];
+                            real band[27];
                             edml_plane_rotation_checked rotation[66];
                         } tridiagonal;
                         real vector[169];

@@ -16,7 +16,8 @@ enum { MOST = EDML_JOINTS - 1 };
 #define NUMBER_TOLERANCE 4e-6 /* a few dozen roundings to 2^-24 */
 #endif
 
-static real band[2 * MOST];
+enum { LENGTH = 2 * MOST * sizeof(real) };
+static real memory[1 + 2 * MOST], *const band = memory + 1; /* behind what is beside an axis before */
 static double diagonal[MOST], beside[MOST]; /* the same; beside[i] stands between i and i + 1 */
 static int order;
 
@@ -80,7 +81,7 @@ static void a_band_is_divided_by_its_norm(void)
     for (int n = 0; n < 200; n++) {
         real before[2 * MOST];
         random_band(&r, 2 + n % 12, n % 3 ? 0.5F : 0.01F);
-        memcpy(before, band, sizeof before);
+        memcpy(before, band, LENGTH);
         const double expected = norm_of_band();
         const double norm = (double)from_real(divide_by_norm(band, order));
         TEST_ASSERT_FLOAT_WITHIN((float)(3 * NUMBER_TOLERANCE), (float)expected, (float)norm);
@@ -90,7 +91,7 @@ static void a_band_is_divided_by_its_norm(void)
                                      (float)is);
         }
     }
-    memset(band, 0, sizeof band);
+    memset(band, 0, LENGTH);
     TEST_ASSERT_TRUE(divide_by_norm(band, 13) == 0);
 }
 
@@ -198,14 +199,20 @@ static void sweeps_split_the_eigenvalue_off(void)
         const double largest = eigenvalue_below(0);
         if (largest - eigenvalue_below(1) < 0.05) continue;
         for (int k = 1; k < order; k++) others[k] = eigenvalue_below(k);
-        for (int k = 0; k < 2; k++) sweep(done, band, order, to_real((float)largest)); /* one is usual */
+        memory[0] = to_real(0.5F);
+        for (int k = 0; k < 2; k++) { /* one is usual */
+            const double was = (double)from_real(memory[0]);
+            sweep(done, band, order, to_real((float)largest));
+            const double turned = was * (double)from_real(done[order - 2].cosine);
+            TEST_ASSERT_FLOAT_WITHIN((float)NUMBER_TOLERANCE, (float)turned, from_real(memory[0]));
+        }
         TEST_ASSERT_FLOAT_WITHIN(1e-3F, (float)largest, from_real(band[0]));
         TEST_ASSERT_FLOAT_WITHIN(2e-3F, 0, from_real(band[1]));
         for (int i = 0; i < order - 1; i++) {
             const double c = (double)from_real(done[i].cosine), s = (double)from_real(done[i].sine);
             TEST_ASSERT_FLOAT_WITHIN(1e-6F, 1, (float)(c * c + s * s));
         }
-        memmove(band, band + 2, sizeof band - 2 * sizeof *band);
+        memmove(band, band + 2, LENGTH - 2 * sizeof *band);
         order--;
         read_band();
         for (int k = 0; k < order; k++)

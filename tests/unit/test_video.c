@@ -232,11 +232,11 @@ static void motion_is_not_taken_for_noise(void)
 }
 
 /* Mean move of a joint in a frame, metres, and the largest, of somebody who stands still. */
-static double trembling(float pixels, double *worst)
+static double trembling(float pixels, uint32_t seed, double *worst)
 {
     enum { FRAMES = 150, SETTLED = 30 };
     double sum = 0;
-    rng r = rng_seed(76);
+    rng r = rng_seed(seed);
     start();
     *worst = 0;
     for (int n = 0; n < FRAMES; n++) {
@@ -253,16 +253,19 @@ static double trembling(float pixels, double *worst)
     return sum;
 }
 
-/* A half of a percent of the height in the image is much more in depth. */
+/* A half of a percent of the height in the image is much more in depth.  The worst move is that of the case of someone
+ * who stands still (tests/python/cases). */
 static void somebody_who_stands_still_does_not_tremble(void)
 {
     double worst;
     see_turned(0);
     const float half_percent = 0.005F * (in[EDML_R_ANKLE].y - in[EDML_HEAD].y);
     TEST_ASSERT_TRUE(half_percent > 0);
-    TEST_ASSERT_TRUE(trembling(half_percent, &worst) < 0.004);
-    TEST_ASSERT_TRUE(worst < 0.025);
-    TEST_ASSERT_TRUE(trembling(4 * half_percent, &worst) < 0.016);
+    for (uint32_t seed = 76; seed < 86; seed++) {
+        TEST_ASSERT_TRUE(trembling(half_percent, seed, &worst) < 0.004);
+        TEST_ASSERT_TRUE(worst < 0.05);
+        TEST_ASSERT_TRUE(trembling(4 * half_percent, seed, &worst) < 0.016);
+    }
 }
 
 static void without_filters_frames_are_as_lifted(void)

@@ -29,7 +29,7 @@ from model import jax_stages, lifter
 from model.manifest import write_manifest
 from reports import markdown
 from training.loss import NETWORKS, Loss, Params, lifter_losses, mean_errors, validate
-from training.recipe import RECIPES, Recipe, scale_epochs
+from training.recipe import EVEN_NOISE, RECIPES, Recipe, scale_epochs
 from training.run import Run, origin, split
 from training.views import Views, imputation_of
 
@@ -49,7 +49,7 @@ class Part(Recipe):
 
 def part(kind: str, **changes: Any) -> Part:
     """The recipe of a kind of network, but for the changes."""
-    return Part(**dataclasses.asdict(RECIPES[kind]) | changes)
+    return Part(**dataclasses.asdict(RECIPES[kind]) | EVEN_NOISE | changes)
 
 
 paper = functools.partial(dataclasses.replace, RECIPES["paper"])

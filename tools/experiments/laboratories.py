@@ -12,6 +12,7 @@ Poses come out of C.  A run goes on where its checkpoint (in OUT) left off.
 """
 
 import argparse
+import dataclasses
 import json
 import sys
 from pathlib import Path
@@ -29,7 +30,7 @@ from export.layers import ExportError
 from model.layout import KINDS
 from model.manifest import write_manifest
 from reports import markdown
-from training.recipe import RECIPES, scale_epochs
+from training.recipe import EVEN_NOISE, RECIPES, scale_epochs
 from training.run import Run, origin
 
 RESULTS = DOCS / "accuracy" / "laboratories.json"
@@ -93,7 +94,7 @@ def arguments() -> argparse.Namespace:
 def compare(kind: str, args: argparse.Namespace) -> dict[str, Any]:
     """Of a kind of network, {laboratory: what it was measured on, and the figures}."""
     train, test = ([load_motion(path) for path in paths] for paths in (args.train, args.test))
-    recipe = scale_epochs(RECIPES[kind], args.epochs)
+    recipe = dataclasses.replace(scale_epochs(RECIPES[kind], args.epochs), **EVEN_NOISE)
     args.out.mkdir(parents=True, exist_ok=True)
 
     def network(motions: list[Motion], name: str) -> Library:

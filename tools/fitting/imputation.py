@@ -20,7 +20,7 @@ import numpy as np
 from data.mocap import MocapError, Motion, load_motion
 from edmlift.joints import JOINTS, MIRROR
 from model.constants import IMPUTATION, IMPUTATION_ONE
-from training.recipe import RECIPES
+from training.recipe import EVEN_NOISE, RECIPES
 from training.views import draw_2d
 
 
@@ -44,7 +44,7 @@ def fit(points: np.ndarray) -> np.ndarray:
 
 def training_points(motion: Motion) -> np.ndarray:
     """A view of each pose [F,14,2], drawn as in training; the same each time."""
-    recipe = dataclasses.replace(RECIPES["distances"], masks=False)
+    recipe = dataclasses.replace(RECIPES["distances"], masks=False, **EVEN_NOISE)
     views = draw_2d(motion.joints, recipe, np.random.default_rng([0, 1 << 33]))
     return views.keypoints[..., :2].astype(float)
 

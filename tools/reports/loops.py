@@ -29,7 +29,6 @@ COUNTS = {
 # Whose limit no `for` has: the text of the loop, by file, and how often its body is run.
 LIMITS = {
     "mds.h: } while (*sweeps < MOST_SWEEPS && ABS(band[1]) > SPLIT);": 2,
-    "mds.h: for (int n = 0; n < sweeps[k]; n++) {": 2,
     "mds.h: for (int n = sweeps[k]; n > 0; n--)": 2,
     "edm.h: for (const edml_image_point *at = image->at; at < last; at++) {": JOINTS - 1,
     "ends_dsp.h: for (int k = fours; k < filled; k++)": 8,

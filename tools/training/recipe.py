@@ -29,13 +29,13 @@ class Recipe:
     iid: float = 0.5  # share of the poses with iid noise; the others get a detector's
     noise: float = 20.0  # pixels: iid noise is drawn with sigma up to this
     detector: float = 1.5  # detector-like noise is drawn up to this scale
-    weak: float = 1.0  # the strength of either is u^weak, u uniform from 0 to 1, ...
+    weak: float = 1.25  # the strength of either is u^weak, u uniform from 0 to 1, ...
     least: float = 0.0  # ... mapped onto least to 1
     bodies: bool = True  # vary height and proportions
     masks: bool = True  # hide joints
     impute: bool = True  # hidden joints are at their conditional mean (gen/imputation.h), not zero
     flip: bool = True  # mirror half of the motion, so that people are left-handed as often
-    mix: float = 0.3  # share of the poses with the arms of another one, and with the legs
+    mix: float = 0.2  # share of the poses with the arms of another one, and with the legs
     straightened: float = 0.15  # share of the arms and legs that are made straight
     adapted: float = 0.25  # share of the poses whose head and neck are an adapter's ...
     redefined: float = 0.25  # ... and of those whose other joints are elsewhere for a detector
@@ -52,8 +52,11 @@ class Recipe:
         return self.l2_epochs + self.pose_epochs
 
 
+# Of recipes of before: noise of all strengths alike, and more limbs of other poses.
+EVEN_NOISE = {"weak": 1.0, "mix": 0.3}
+
 # Through the distances to the MDS and nothing else: the paper's networks, better trained.
-_MDS = {
+_MDS = EVEN_NOISE | {
     "batch": 64,
     "adam": True,
     "rate": 1e-3,
@@ -89,11 +92,10 @@ RECIPES = {
         masks=False,
         impute=False,
         flip=False,
-        mix=0.0,
         adapted=0.0,
         near=0.0,
         balance=0.0,
-        **_MDS | {"batch": 200, "rigid": 1.0, "fuse": False},
+        **_MDS | {"mix": 0.0, "batch": 200, "rigid": 1.0, "fuse": False},
     ),
 }
 

@@ -14,7 +14,7 @@ from support import run_tool
 from edmlift.joints import JOINTS, MIRROR
 from experiments import rivals
 from model import coordinates, jax_stages, lifter
-from training.recipe import RECIPES
+from training.recipe import EVEN_NOISE, RECIPES
 from training.views import Views, draw_2d, imputation_of, pick_poses
 
 PLAIN = rivals.plain(hidden=(16, 16), pose_epochs=3, batch=50, average=0.9)
@@ -69,14 +69,14 @@ def test_rivals_have_the_parameters_that_they_are_named_for():
 
 
 def test_all_rivals_are_trained_as_the_librarys_networks():
-    own = {"network", "hidden", "pose_epochs", "rate", "up", "fuse", *rivals.NOISE}
-    noise = [rivals.NOISE, {key: getattr(RECIPES["direct"], key) for key in rivals.NOISE}]
+    own = {"network", "hidden", "pose_epochs", "rate", "up", "fuse", *EVEN_NOISE}
+    noise = [EVEN_NOISE, {key: getattr(RECIPES["direct"], key) for key in EVEN_NOISE}]
     of_the_large_one = {"batch", "average", "adam", "straightened"}
     for recipe in (*rivals.RIVALS.values(), *rivals.TRIALS.values()):
         free = own | of_the_large_one if recipe.network == "residual" else own
         for name, value in dataclasses.asdict(RECIPES["direct"]).items():
             assert name in free or getattr(recipe, name) == value, name
-        assert {key: getattr(recipe, key) for key in rivals.NOISE} in noise
+        assert {key: getattr(recipe, key) for key in EVEN_NOISE} in noise
 
 
 def test_the_residual_network_is_martinez():

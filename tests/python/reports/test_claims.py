@@ -205,13 +205,12 @@ def test_what_the_page_says_of_the_trained_rivals():
             del behind["sideways"]
             most[place] = max(most.get(place, 0), *behind.values())
             means[model, place, text in (aligned, axes)] = fmean(behind.values())
-    assert {name: round(value, 1) for name, value in most.items()} == {"aligned": 3.2, "axes": 5.0}
+    assert {name: round(value, 1) for name, value in most.items()} == {"aligned": 1.8, "axes": 4.4}
     ahead = {of for of, mean in means.items() if mean < 0}
     assert ahead == {
         (model, place, True) for model in accuracy.TAKE_UP for place in ("aligned", "axes")
-    } | {("distances", "aligned", False)}
-    lead = [round(means[model, "axes", False], 1) for model in ("direct", "distances")]
-    assert lead == [1.0, 1.9]
+    } | {(model, "aligned", False) for model in accuracy.TAKE_UP} | {("direct", "axes", False)}
+    assert round(means["distances", "axes", False], 1) == 0.9
 
 
 @pytest.mark.claims("docs/accuracy-log.md", "trials")
@@ -289,15 +288,15 @@ def test_the_costs_of_fconv_are_those_of_the_table():
 
 
 LIMITS = [  # bytes of code, instructions a lift
-    ("Cortex-M4F", "distances", "f32", 11500, 77_000),
-    ("Cortex-M4F", "distances", "w16", 11500, 62_000),
+    ("Cortex-M4F", "distances", "f32", 11500, 68_000),
+    ("Cortex-M4F", "distances", "w16", 11500, 60_000),
     ("Cortex-M4F", "distances", "w8", 11500, 75_000),
     ("Cortex-M55", "distances", "w16", 12000, 46_000),
     ("Cortex-M55", "distances", "w8", 12000, 46_000),
     ("Cortex-M3", "distances", "fixed", 13500, 155_000),
     ("Cortex-M0+", "distances", "fixed", 13500, 430_000),
     ("RV32IMC", "distances", "fixed", 17500, 230_000),
-    ("Cortex-M4F", "direct", "f32", 8500, 50_000),
+    ("Cortex-M4F", "direct", "f32", 8500, 43_000),
     ("Cortex-M4F", "direct", "w16", 8500, 40_000),
     ("Cortex-M55", "direct", "w16", 8500, 24_000),
     ("Cortex-M3", "direct", "fixed", 8500, 76_000),
