@@ -57,8 +57,9 @@ static real in_units(const minors *m, int exponent)
 
 /* f, f' and f''/2 at x of the characteristic polynomial f.  None is negative above its roots.  Nothing is in the same
  * place, so that they may stay in registers. */
-static EDML_NOINLINE void characteristic(minors *restrict f, minors *restrict slope, minors *restrict curve,
-                                         const real *restrict band, int n, real x)
+static EDML_NOINLINE void characteristic(minors *EDML_RESTRICT f, minors *EDML_RESTRICT slope,
+                                         minors *EDML_RESTRICT curve, const real *EDML_RESTRICT band, int n,
+                                         real x)
 {
     const minors of_order_1[3] = {{{x - band[0], REAL(1.0)}, 0}, {{REAL(1.0), 0}, 0}, {{0, 0}, 0}};
     *f = of_order_1[0];

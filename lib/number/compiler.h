@@ -9,6 +9,7 @@
 
 /* EDML_NOINLINE     keep out of line, so that its locals leave the stack before the caller calls deeper
  * EDML_INLINE       inline also where the compiler is told to save space
+ * EDML_RESTRICT     C99's restrict, which C++ has under another name
  * EDML_ALIGN4       weights that may be loaded a word at a time
  * EDML_IS_ALIGNED4  may words be at this pointer?
  * EDML_IN_REGISTER  an argument of a function in assembly
@@ -22,11 +23,13 @@
 #ifdef __GNUC__
 #define EDML_NOINLINE __attribute__((noinline))
 #define EDML_INLINE inline __attribute__((always_inline))
+#define EDML_RESTRICT __restrict
 #define EDML_ALIGN4 __attribute__((aligned(4)))
 #define EDML_IN_REGISTER __attribute__((unused)) /* which the compiler does not see */
 #else
 #define EDML_NOINLINE
 #define EDML_INLINE inline
+#define EDML_RESTRICT
 #define EDML_ALIGN4
 #endif
 #ifndef __ARM_ARCH_6M__

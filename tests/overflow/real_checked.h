@@ -12,8 +12,6 @@ extern "C" {
 #include "number/fixed.h"
 }
 
-#define restrict __restrict /* C++ has no such word */
-
 typedef checked<int32_t> real;
 typedef checked<int64_t> wide;
 

@@ -128,7 +128,7 @@ def test_angles_of_poses_are_by_name_and_nan_where_a_joint_was_not_seen():
     np.testing.assert_array_equal(found["heading"], edmlift.heading(poses.joints, LEVEL))
     few = np.stack([found[f"{name}_flexion"] for name in angles.BENDING], -1)
     few[2, 1] = angles.flexion(poses.joints)[2, 1]  # a guessed joint has coordinates all the same
-    np.testing.assert_array_equal(few, angles.flexion(poses.joints))
+    np.testing.assert_allclose(few, angles.flexion(poses.joints), rtol=2e-7)  # a last bit
 
 
 def test_one_pose_gives_numbers_and_up_is_level_by_default():

@@ -13,6 +13,7 @@ from builds import long_but, need_core
 from support import OTHERS_TEST, OTHERS_TRAIN, ROOT, TEST, TRAIN, need_motion
 
 from data.mocap import load_motion
+from data.views import views
 from edmlift.library import Library
 from edmlift.networks import NAMES
 from evaluation import accuracy, angles, baselines, command
@@ -247,11 +248,14 @@ def test_fconv_in_8_bits_loses_little_in_any_column():
 
 @pytest.mark.long
 @pytest.mark.parametrize("model", accuracy.MODELS)
-def test_fixed_point_is_the_float_lift(forms, model):
-    for found in forms[model].values():
-        for name, column in found["fixed"].items():
-            assert column["moved"] <= 0.5 and column["moved_999"] <= 5, name
-            assert column["mirrored"] <= 5, name  # of some 6,000
+def test_fixed_point_is_the_float_lift(sets, library, model):
+    """Of the same network, in 16 bits."""
+    libraries = {"f32": Library(f"{model}_w16"), "fixed": Library(f"{model}_w16", fixed=True)}
+    for motion in sets.values():
+        for name, column in views(motion.joints).items():
+            found = number_forms.lose(libraries, column, motion.subject)["fixed"]
+            assert found["moved"] <= 0.2 and found["moved_999"] <= 3, name
+            assert found["mirrored"] <= 5, name  # of some 6,000
 
 
 @pytest.mark.claims("docs/no-fpu.md", "operations")
