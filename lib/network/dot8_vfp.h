@@ -24,7 +24,7 @@
     "    vmla.f32 " s6 ", s22, " xi "\n"        \
     "    vmla.f32 " s7 ", s23, " xi "\n"
 
-/* Adds what is at r1, `inputs` from r12 on.  ADD(xi) adds the products of an input, SKIP goes on where it is zero. */
+/* Reads as many inputs as r12 says: ADD(xi) adds the products of one, SKIP passes its weights by where it is zero. */
 #define ADD_INPUTS(ADD, SKIP)                   \
     "    tst    r12, #1\n"                      \
     "    add    r12, r1, r12, lsl #2\n"         \
