@@ -95,6 +95,7 @@ class Stages:
         """What the network makes of an image (section 3.2), up in the camera's axes if known."""
         out, direction = np.zeros(1, PREDICTION), read_up(up, 1)
         if direction is not None:
+            direction = direction / np.abs(direction).max()  # as the lift does: the same bits
             direction = direction / np.linalg.norm(direction)
         self._check(
             self._c.edml_predict(

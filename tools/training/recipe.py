@@ -52,7 +52,7 @@ class Recipe:
         return self.l2_epochs + self.pose_epochs
 
 
-# Of recipes of before: noise of all strengths alike, and more limbs of other poses.
+# What older recipes had: noise of all strengths alike, and more limbs of other poses.
 EVEN_NOISE = {"weak": 1.0, "mix": 0.3}
 
 # Through the distances to the MDS and nothing else: the paper's networks, better trained.
